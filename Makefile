@@ -1,0 +1,66 @@
+# `make help` says what there is. Everything is made inside this tree: .venv, build and out.
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+
+bin := .venv/bin
+native := CMakeLists.txt pyproject.toml tools/setup.sh $(shell find src python/bindings -type f)
+cpp := $(shell find src python/bindings tests/cpp -name '*.cpp' -o -name '*.h')
+jobs := $(shell nproc)
+
+.PHONY: help demo test test-cpp test-python test-slow lint format stub asan tsan clean
+.DELETE_ON_ERROR:
+
+help: ## Say what there is to make
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+# A stamp says that .venv holds a lumel built from the newest native sources; Python files are used where they lie.
+.venv/run.stamp: $(native)
+	tools/setup.sh
+	@touch $@
+
+.venv/dev.stamp: $(native)
+	tools/setup.sh dev
+	@touch .venv/run.stamp $@
+
+demo: .venv/run.stamp ## Install what is missing, build, render the demo scene into out/demo
+	$(bin)/lumel demo -o out/demo
+
+test: test-cpp test-python ## Install what is missing, build, run all quick tests (C++ and Python)
+
+test-cpp: .venv/dev.stamp ## The tests of the C++ core
+	cmake --preset release $(CMAKE_FLAGS)
+	cmake --build --preset release
+	ctest --preset release
+
+test-python: .venv/dev.stamp ## The tests of the Python package, the README's among them
+	$(bin)/pytest $(PYTEST_FLAGS)
+
+test-slow: .venv/dev.stamp ## The proofs that take minutes
+	$(bin)/pytest -m slow $(PYTEST_FLAGS)
+
+lint: .venv/dev.stamp ## Style and types of all sources
+	$(bin)/ruff check .
+	$(bin)/ruff format --check .
+	$(bin)/mypy
+	$(bin)/clang-format --dry-run -Werror $(cpp)
+	cmake --preset release $(CMAKE_FLAGS) >/dev/null
+	printf '%s\n' $(filter src/%.cpp,$(cpp)) | xargs -P $(jobs) -n 1 $(bin)/clang-tidy -p build/release --quiet --warnings-as-errors='*'
+
+format: .venv/dev.stamp ## Rewrite all sources in the house style
+	$(bin)/ruff check --fix .
+	$(bin)/ruff format .
+	$(bin)/clang-format -i $(cpp)
+
+stub: .venv/dev.stamp ## Write anew what type checkers know of the native module
+	$(bin)/python -m nanobind.stubgen -q -m lumel._core -o python/lumel/_core.pyi
+
+asan: ## The C++ tests under the address and undefined behaviour sanitizers
+	cmake --preset asan && cmake --build --preset asan && ctest --preset asan
+
+tsan: ## The C++ tests under the thread sanitizer
+	tools/tsan.sh
+
+clean: ## Remove all that was built, .venv included
+	rm -rf build .venv out dist .pytest_cache .mypy_cache .ruff_cache
+	find . -name __pycache__ -prune -exec rm -rf {} +
