@@ -40,17 +40,17 @@ END
 }
 
 # Whether header $1 is where compilers look.
-have_header() { ls /usr/include/$1 /usr/local/include/$1 >/dev/null 2>&1; }
+have_header() { [[ -e /usr/include/$1 || -e /usr/local/include/$1 ]]; }
 
 # Print the apt packages that are missing.
 missing_packages() {
     command -v g++ >/dev/null || echo g++
     command -v cmake >/dev/null || echo cmake
     command -v ninja >/dev/null || echo ninja-build
-    have_header 'embree4/rtcore.h' || have_header 'embree3/rtcore.h' || echo libembree-dev
-    have_header 'tbb/version.h' || have_header 'oneapi/tbb/version.h' || echo libtbb-dev
+    have_header embree4/rtcore.h || have_header embree3/rtcore.h || echo libembree-dev
+    have_header oneapi/tbb/version.h || echo libtbb-dev
     if [[ $mode == dev ]]; then
-        have_header 'gtest/gtest.h' || echo libgtest-dev
+        have_header gtest/gtest.h || echo libgtest-dev
     fi
     if [[ -n $python ]]; then
         python_packages "$python"
