@@ -8,7 +8,7 @@ native := CMakeLists.txt pyproject.toml tools/setup.sh $(shell find src python/b
 cpp := $(shell find src python/bindings tests/cpp -name '*.cpp' -o -name '*.h')
 jobs := $(shell nproc)
 
-.PHONY: help demo test test-cpp test-python test-slow lint format stub asan tsan clean
+.PHONY: help demo test test-cpp test-python test-slow lint lint-python lint-types lint-format lint-cpp format stub asan tsan clean
 .DELETE_ON_ERROR:
 
 help: ## Say what there is to make
@@ -39,11 +39,19 @@ test-python: .venv/dev.stamp ## The tests of the Python package, the README's am
 test-slow: .venv/dev.stamp ## The proofs that take minutes
 	$(bin)/pytest -m slow $(PYTEST_FLAGS)
 
-lint: .venv/dev.stamp ## Style and types of all sources
+lint: lint-python lint-types lint-format lint-cpp ## Style and types of all sources; `make -k lint` goes on after a finding
+
+lint-python: .venv/dev.stamp
 	$(bin)/ruff check .
 	$(bin)/ruff format --check .
+
+lint-types: .venv/dev.stamp
 	$(bin)/mypy
+
+lint-format: .venv/dev.stamp
 	$(bin)/clang-format --dry-run -Werror $(cpp)
+
+lint-cpp: .venv/dev.stamp
 	cmake --preset release $(CMAKE_FLAGS) >/dev/null
 	printf '%s\n' $(filter src/%.cpp,$(cpp)) | xargs -P $(jobs) -n 1 $(bin)/clang-tidy -p build/release --quiet --warnings-as-errors='*'
 
