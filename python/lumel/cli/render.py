@@ -1,0 +1,113 @@
+"""`lumel render`: a scene file in, pictures out."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import time as clock
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import OutputError, Problem, SettingsError
+from . import options, progress, summary, values
+from .errors import reporting
+from .interrupt import run_interruptibly
+
+if TYPE_CHECKING:
+    from ..result import Result
+    from ..scene import Scene
+
+
+def render(
+    scene: options.Scene,
+    output: options.Outputs,
+    transport: options.Transport = None,
+    areas: options.Areas = None,
+    estimator: options.Estimator = None,
+    defensive: options.Defensive = None,
+    first_shot: options.FirstShot = None,
+    rays: options.Rays = None,
+    time: options.Time = None,
+    error: options.Error = None,
+    patches: options.Patches = None,
+    quality: options.Quality = None,
+    camera: options.Camera = None,
+    size: options.Size = None,
+    layers: options.Layers = None,
+    half: options.Half = False,
+    exposure: options.Exposure = 0.0,
+    seed: options.Seed = None,
+    threads: options.Threads = None,
+    define: options.Define = None,
+    lenient: options.Lenient = False,
+    quiet: options.Quiet = False,
+    show: options.Progress = None,
+) -> None:
+    """Render SCENE into pictures."""
+    problems: list[Problem] = []
+    defines = values.defines(define or [], problems)
+    wanted = values.layers(layers, problems)
+    settings = {
+        "transport": transport, "areas": areas, "estimator": estimator, "defensive": defensive, "first_shot": first_shot,
+        "rays": values.count("--rays", rays, problems), "time": time, "error": error,
+        "patches": values.count("--patches", patches, problems), "quality": quality,
+        "camera": camera, "size": values.size(size, problems), "layers": wanted, "seed": seed, "threads": threads,
+    }  # fmt: skip
+    show = show or progress.default_kind()
+    values.choice("--progress", show, progress.KINDS, problems)
+    values.exclusive({"--rays": rays, "--time": time, "--error": error}, problems)
+    values.exposure(exposure, problems)
+    with reporting():
+        _check(problems, output)
+        loaded = _load(scene, defines, lenient)
+        started = clock.monotonic()
+        # Flags that were not given are left to the defaults of lumel.render.
+        given = {name: value for name, value in settings.items() if value is not None}
+        result = _run(loaded, given | {"started": started}, show, quiet)
+        files = _write(result, output, every_camera=camera == "all", layers=wanted, exposure=exposure, half=half)
+        if not quiet:
+            summary.show(result, files, as_json=show == "json")
+
+
+def _check(problems: Sequence[Problem], outputs: Sequence[Path]) -> None:
+    """Raise now what would else be found after a long render."""
+    from ..images.files import problems_with
+
+    unwritable = problems_with(outputs)
+    if problems:
+        raise SettingsError([*problems, *unwritable])
+    if unwritable:
+        raise OutputError(unwritable)
+
+
+def _load(scene: str, defines: dict[str, str], lenient: bool) -> Scene:
+    from ..readers import load
+
+    return load(scene, defines=defines, lenient=lenient)
+
+
+def _run(scene: Scene, settings: dict[str, Any], show: str, quiet: bool) -> Result:
+    """Render with progress on stderr and an ear for Ctrl-C; the command line joins the metadata."""
+    from ..render import render as render_scene
+
+    with progress.showing(show, quiet=quiet) as shown:
+        result = run_interruptibly(lambda interrupted: render_scene(scene, **settings, progress=shown, interrupted=interrupted))
+    return replace(result, metadata={**result.metadata, "command": shlex.join(["lumel", *sys.argv[1:]])})
+
+
+def _write(result: Result, outputs: Sequence[Path], *, every_camera: bool, **how: Any) -> list[Path]:
+    """Write all pictures, or none where one of them cannot be written; gives the files."""
+    from ..images.files import write_files
+    from ..result import path_of_camera
+
+    if every_camera:
+        targets = [(path_of_camera(output, camera), camera) for output in outputs for camera in result.cameras]
+    else:
+        targets = [(output, result.cameras[0]) for output in outputs]
+    paths = [path for path, _ in targets]
+    if len(set(paths)) < len(paths):
+        raise OutputError(f"cameras {', '.join(result.cameras)} would share a file: their names are too alike for file names")
+    write_files({path: result.encode(path, camera=camera, **how) for path, camera in targets})
+    return paths

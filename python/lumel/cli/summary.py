@@ -1,0 +1,40 @@
+"""What `lumel render` says when it is done."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import text
+
+if TYPE_CHECKING:
+    from ..result import Result
+
+
+def show(result: Result, files: Sequence[Path], *, as_json: bool) -> None:
+    """Print a few lines to stdout, or the last JSON line to stderr."""
+    if as_json:
+        event = {"phase": "done", "files": [str(file) for file in files], "notes": list(result.notes), "stats": dict(result.stats)}
+        print(text.to_json(event), file=sys.stderr)
+        return
+    if result.stats.get("interrupted"):
+        print("stopped early, on request")
+    if line := numbers(result.stats):
+        print(line)
+    for note in result.notes:
+        print(f"note: {note}")
+    for file in files:
+        print(f"wrote {file}")
+
+
+def numbers(stats: Mapping[str, object]) -> str:
+    """`5 M rays, 4.2 M rays/s, 3.1 s, error 1.2 %`, of those that `stats` has."""
+    shown: dict[str, Callable[[float], str]] = {
+        "rays": lambda value: text.count(value, "rays"),
+        "rays_per_s": lambda value: text.count(value, "rays/s"),
+        "time": text.seconds,
+        "error": lambda value: f"error {text.error(value)}",
+    }
+    return ", ".join(put(value) for key, put in shown.items() if isinstance(value := stats.get(key), int | float))

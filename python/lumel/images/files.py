@@ -1,0 +1,83 @@
+"""Put finished pictures on the disk: all of them or none, and never half a file."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ..errors import LumelError, OutputError, Problem, nearest
+
+ENDINGS = (".exr", ".png")
+
+
+class ImageError(LumelError):
+    """A picture cannot be read, or cannot be compared with another."""
+
+
+def problem_with(path: Path) -> Problem | None:
+    """Say why a picture could not be written to `path`, or None. Leaves no trace on the disk."""
+    if path.suffix.lower() not in ENDINGS:
+        return wrong_ending(path)
+    folder = path.resolve().parent
+    if not folder.exists():
+        return Problem(f"cannot write '{path}': the folder '{folder}' does not exist")
+    if not folder.is_dir():
+        return Problem(f"cannot write '{path}': '{folder}' is not a folder")
+    if path.is_dir():
+        return Problem(f"cannot write '{path}': it is a folder")
+    if path.exists() and not os.access(path, os.W_OK):
+        return Problem(f"cannot write '{path}': the file there is write-protected")
+    # Only a real attempt tells about read-only disks, names that are too long and the like.
+    attempt = _temporary(path)
+    try:
+        attempt.touch(exist_ok=False)
+        attempt.unlink()
+    except OSError as error:
+        return Problem(f"cannot write '{path}': {error.strerror}")
+    return None
+
+
+def wrong_ending(path: Path) -> Problem:
+    """What to say of a path that ends in no picture format."""
+    return Problem(f"cannot write '{path}': its ending '{path.suffix}' names no picture format; {nearest(path.suffix.lower(), ENDINGS)}")
+
+
+def problems_with(paths: Sequence[Path]) -> list[Problem]:
+    """Every reason why `paths` could not be written, to find out before any work is spent on them."""
+    problems = [problem for path in paths if (problem := problem_with(path))]
+    targets = [path.resolve() for path in paths]
+    twice = {path for path, target in zip(paths, targets, strict=True) if targets.count(target) > 1}
+    return problems + [Problem(f"cannot write '{path}' twice") for path in sorted(twice)]
+
+
+def write_files(contents: Mapping[Path, bytes]) -> None:
+    """Write every file of `contents`: first all into temporary files beside their targets, then rename them.
+
+    Raises OutputError (missing folder, no permission, disk full, ...); then no target has been changed.
+    """
+    if problems := problems_with(list(contents)):
+        raise OutputError(problems)
+    staged: dict[Path, Path] = {}
+    path = Path()
+    try:
+        for path, data in contents.items():
+            staged[path] = temporary = _temporary(path)
+            with temporary.open("xb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())  # a full disk must show here, not after the rename
+        for path, temporary in staged.items():
+            temporary.replace(path.resolve())
+    except OSError as error:
+        raise OutputError(f"cannot write '{path}': {error.strerror}; what was there before is unchanged") from error
+    finally:
+        for temporary in staged.values():
+            temporary.unlink(missing_ok=True)
+
+
+def _temporary(path: Path) -> Path:
+    """A name beside the file that `path` means (links followed), so that the final rename stays on one disk."""
+    target = path.resolve()
+    return target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
