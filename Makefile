@@ -63,10 +63,10 @@ format: .venv/dev.stamp ## Rewrite all sources in the house style
 stub: .venv/dev.stamp ## Write anew what type checkers know of the native module
 	$(bin)/python -m nanobind.stubgen -q -m lumel._core -o python/lumel/_core.pyi
 
-asan: ## The C++ tests under the address and undefined behaviour sanitizers
+asan: .venv/dev.stamp ## The C++ tests under the address and undefined behaviour sanitizers
 	cmake --preset asan && cmake --build --preset asan && ctest --preset asan
 
-tsan: ## The C++ tests under the thread sanitizer
+tsan: .venv/dev.stamp ## The C++ tests under the thread sanitizer
 	tools/tsan.sh
 
 clean: ## Remove all that was built, .venv included
