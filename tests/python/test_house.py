@@ -117,7 +117,7 @@ def test_public_names_exist(name: str) -> None:
 
 def test_unknown_names_raise() -> None:
     with pytest.raises(AttributeError, match="no attribute 'rendr'"):
-        _ = lumel.rendr  # type: ignore[attr-defined]
+        _ = lumel.rendr
 
 
 def test_render_is_the_function_whatever_was_imported_before() -> None:
