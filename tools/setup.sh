@@ -107,4 +107,4 @@ extras=
 [[ $mode == dev ]] && extras='[dev]'
 echo "setup: installing Python packages and building lumel"
 .venv/bin/pip install -q "${requires[@]}"
-.venv/bin/pip install -q --no-build-isolation -Cbuild-dir=build/python --editable ".$extras"
+.venv/bin/pip install -q --no-build-isolation --config-settings=build-dir=build/python --editable ".$extras"
