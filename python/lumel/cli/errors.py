@@ -26,7 +26,7 @@ def reporting() -> Iterator[None]:
             print(f"lumel: error: {problem}", file=sys.stderr)
         raise typer.Exit(code_of(error)) from error
     except KeyboardInterrupt as error:
-        print("lumel: stopped; nothing was written", file=sys.stderr)
+        print("lumel: stopped", file=sys.stderr)
         raise typer.Exit(STOPPED) from error
 
 

@@ -54,7 +54,7 @@ def plain_line(progress: Progress) -> str:
         parts.append(f"error {text.error(progress.error)}")
     if math.isfinite(progress.remaining):
         parts.append(f"{text.seconds(progress.remaining)} left")
-    return ", ".join(parts)
+    return ", ".join(part.rstrip() for part in parts)
 
 
 def _json_line(progress: Progress) -> str:

@@ -74,7 +74,7 @@ def read_exr(path: str | Path) -> Picture:
             channels = {name: np.array(channel.pixels, dtype=np.float32) for name, channel in file.channels().items()}
             header = dict(file.header())
     except (RuntimeError, ValueError, TypeError) as error:
-        raise ImageError(f"cannot read {path}: {error}") from error
+        raise ImageError(f"cannot read {path}: it is damaged, incomplete or not a plain picture ({error})") from error
     metadata = {key.removeprefix(PREFIX): text for key, text in header.items() if isinstance(text, str)}
     return Picture(_layers(channels), metadata)
 
