@@ -48,8 +48,8 @@ class Run:
         return int(str(self.result.stats["rays"]))
 
 
-def run(directory: Path, progress: Show | None = None) -> None:
-    """Write classical.png, weighted.png and side_by_side.png to `directory` (made where missing) and print the error of each.
+def run(directory: Path, progress: Show | None = None) -> list[str]:
+    """Write classical.png, weighted.png and side_by_side.png to `directory` (made where missing); gives lines that say the error of each.
 
     Raises OutputError where that cannot be written.
     """
@@ -66,12 +66,12 @@ def run(directory: Path, progress: Show | None = None) -> None:
     files = {directory / f"{timed.estimator}.png": encode_png(timed.result.image(), timed.result.metadata) for timed in runs}
     files[directory / "side_by_side.png"] = _figure_bytes(_side_by_side(runs, reference))
     write_files(files)
-    print(f"{SECONDS:g} s each, against a run of {REFERENCE_SHARE} times the rays with another seed:")
-    for timed in runs:
-        print(caption(timed))
-    print(f"indirect specular light: weighted has {runs[0].gloss / runs[1].gloss:.1f} times less mean square error than classical")
-    for path in files:
-        print(f"wrote {path}")
+    return [
+        f"{SECONDS:g} s each, against a run of {REFERENCE_SHARE} times the rays with another seed:",
+        *(caption(timed) for timed in runs),
+        f"in indirect specular light, the mean square error of classical is {runs[0].gloss / runs[1].gloss:.3g} times that of weighted",
+        *(f"wrote {path}" for path in files),
+    ]
 
 
 def gloss_error(result: Result, reference: Result) -> float:

@@ -18,5 +18,8 @@ def demo(
     """Render the built-in demo scene with both estimators at equal time, and print the error of each."""
     from ..demo import run
 
-    with reporting(), progress.showing(progress.default_kind(), quiet=quiet) as shown:
-        run(output, shown)
+    with reporting():
+        with progress.showing(progress.default_kind(), quiet=quiet) as shown:
+            report = run(output, shown)
+        if not quiet:
+            print("\n".join(report))
