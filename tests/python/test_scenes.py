@@ -12,7 +12,7 @@ from lumel.errors import SceneError
 from lumel.scene import Mesh, Scene
 from lumel.scenes import build, names
 from lumel.scenes.implicit import ball, probe
-from lumel.scenes.primitives import Form, box, icosphere
+from lumel.scenes.parts import box
 from lumel.scenes.surface_nets import fisheye, polygonise
 
 Floats = npt.NDArray[np.float64]
@@ -61,12 +61,12 @@ def test_every_scene_is_sound(name: str) -> None:
     for mesh in scene.meshes:
         assert mesh.material in scene.materials
         assert (mesh.vertices.dtype.name, mesh.triangles.dtype.name) == ("float32", "int32")
-        assert mesh.normals is not None
-        assert (mesh.normals.dtype.name, mesh.normals.shape) == ("float32", mesh.vertices.shape)
-        assert np.array_equal(np.unique(mesh.triangles), np.arange(len(mesh.vertices)))
-        assert np.allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-5)
         normal = cross(corners(mesh))
         assert np.linalg.norm(normal, axis=1).min() > 1e-8
+        if mesh.normals is None:
+            continue
+        assert (mesh.normals.dtype.name, mesh.normals.shape) == ("float32", mesh.vertices.shape)
+        assert np.allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-5)
         # Each corner's shading normal is on the front side of its triangle.
         cosines = np.einsum("ij,ikj->ik", normal, mesh.normals[mesh.triangles]) / np.linalg.norm(normal, axis=1)[:, None]
         assert cosines.min() > 0.3
@@ -85,12 +85,10 @@ def test_every_scene_is_the_same_at_every_call(name: str) -> None:
         assert (a.name, a.material, a.emission) == (b.name, b.material, b.emission)
         assert a.vertices.tobytes() == b.vertices.tobytes()
         assert a.triangles.tobytes() == b.triangles.tobytes()
-        assert a.normals is not None
-        assert b.normals is not None
-        assert a.normals.tobytes() == b.normals.tobytes()
+        assert np.array_equal([] if a.normals is None else a.normals, [] if b.normals is None else b.normals)
 
 
-def assert_closed(triangles: npt.NDArray[np.int32], euler: int) -> None:
+def assert_closed(triangles: npt.NDArray[np.int32] | npt.NDArray[np.int64], euler: int) -> None:
     """Each edge joins two triangles, which run through it in opposite directions; the surface is in one piece of that characteristic."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     directed = {(int(a), int(b)) for a, b in edges}
@@ -107,8 +105,8 @@ def test_the_bust_is_one_closed_solid(demo: Scene) -> None:
     # It stands on the plinth, inside the room, below the lamps.
     low, high = bust.vertices.min(axis=0), bust.vertices.max(axis=0)
     assert low[1] == pytest.approx(named(demo, "plinth").vertices[:, 1].max(), abs=1e-5)
-    assert np.all(low > (-1.5, 0, -1.5))
-    assert np.all(high < (1.5, 2.4, 1.5))
+    assert np.all(low > (-1.25, 0, -1.5))
+    assert np.all(high < (1.25, 2.4, 1.5))
 
 
 def test_the_bust_has_well_shaped_triangles(demo: Scene) -> None:
@@ -120,7 +118,7 @@ def test_the_bust_has_well_shaped_triangles(demo: Scene) -> None:
     assert quality.min() > 0.02
 
 
-@pytest.mark.parametrize(("name", "size"), [("demo", (3.0, 2.5, 3.0)), ("cornell", (2.0, 2.0, 2.0))])
+@pytest.mark.parametrize(("name", "size"), [("demo", (2.5, 2.5, 3.0)), ("cornell", (2.0, 2.0, 3.2))])
 def test_rooms_are_closed_boxes_that_face_inwards(name: str, size: tuple[float, float, float]) -> None:
     walls = ("floor", "ceiling", "left wall", "right wall", "back wall", "front wall")
     triangles = inner_box(build(name), walls)
@@ -154,6 +152,8 @@ def test_the_furnace_holds_the_radiance_one() -> None:
     (wall,) = scene.meshes
     assert_closed(wall.triangles, euler=2)
     assert volume(corners(wall)) == pytest.approx(-4 / 3 * math.pi, rel=0.02)
+    assert wall.normals is not None
+    assert wall.normals == pytest.approx(-wall.vertices / np.linalg.norm(wall.vertices, axis=1, keepdims=True), abs=1e-6)
     # L = emission + albedo L has the solution L = 1.
     assert np.array(wall.emission) + np.array(scene.materials[wall.material].diffuse) == pytest.approx(1)
     assert np.linalg.norm(scene.cameras[0].to_world[:3, 3]) < 0.9
@@ -179,19 +179,10 @@ def test_the_cube_is_the_one_of_the_known_radiosities() -> None:
     assert radiosity == pytest.approx([1.11900169, 0.28347386, 0.24743321, 0.13071364, 0.20992539, 0.3185206], abs=1e-7)
 
 
-@pytest.mark.parametrize(
-    ("form", "expected"),
-    [
-        (box((1, 2, 3), (0.5, 1, 1.5), turn=30), 6.0),
-        (icosphere((1, 2, 3), 2.0, 4), 4 / 3 * math.pi * 8),
-        (icosphere((1, 2, 3), 2.0, 4, inward=True), -4 / 3 * math.pi * 8),
-    ],
-    ids=["box", "sphere", "sphere, inward"],
-)
-def test_forms_enclose_their_volume(form: Form, expected: float) -> None:
-    vertices, triangles, normals = form
-    assert volume(vertices[triangles]) == pytest.approx(expected, rel=5e-3)
-    assert np.einsum("ij,ij->i", cross(vertices[triangles]), normals[triangles[:, 0]]).min() > 0
+def test_a_turned_box_keeps_its_volume_and_faces_outwards() -> None:
+    surface = box((1, 2, 3), (0.5, 1, 1.5), turn=30)
+    assert volume(surface.vertices[surface.triangles]) == pytest.approx(6)
+    assert surface.vertices[:, 0].max() == pytest.approx(1 + 0.5 * math.cos(math.pi / 6) + 1.5 * math.sin(math.pi / 6))
 
 
 def test_surface_nets_find_a_sphere() -> None:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..readers.surface import Surface
 from .implicit import Points, Values, Vec, arc, ball, common, cut, ellipsoid, fade, join, limb, ring, rotation
-from .primitives import Form
 from .surface_nets import fisheye, polygonise
 
 KNOT = np.array((0.0, 6.2, -11.2))  # where the strands of the hair run to
@@ -126,7 +126,7 @@ def figure(p: Points) -> Values:
     return join(d, hair(p, m), 0.9)
 
 
-def bust(foot: Vec, height: float, turn: float, glance: float = 22.0) -> Form:
+def bust(foot: Vec, height: float, turn: float, glance: float = 22.0) -> Surface:
     """The bust with the middle of its foot at `foot`, `height` metres high, turned by `turn` degrees about y, the head by `glance` more."""
     # Cells of half a centimetre in the face, wider away from it.
     nodes = fisheye((-19.0, BASE - 1.5, -19.0), (19.0, 16.0, 13.0), (0.0, -2.0, 7.5), 0.47, 9.0)
@@ -136,7 +136,7 @@ def bust(foot: Vec, height: float, turn: float, glance: float = 22.0) -> Form:
     lowest, highest = points[:, 1].min(), points[:, 1].max()
     stand = rotation((0, 1, 0), turn).T
     points = (points - np.array((0.0, lowest, FOOT_Z))) @ stand * (height / (highest - lowest)) + np.asarray(foot)
-    return points, triangles, normals @ stand
+    return Surface(points, triangles, normals @ stand)
 
 
 def _twist(p: Points, n: Points, degrees: float) -> tuple[Points, Points]:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from ..scene import Camera, Scene
-from .parts import matte, mesh
-from .primitives import Vec, rectangle
+from .implicit import Vec
+from .parts import matte, mesh, plate
 
 ALBEDO = (0.5, 0.7, 0.6, 0.3, 0.5, 0.8)
 EXITANCE = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # W/m2
@@ -30,7 +30,7 @@ def scene() -> Scene:
     names = tuple(f"face {i}" for i in range(6))
     meshes = tuple(
         # A diffuse face of exitance E has the radiance E/pi.
-        mesh(name, rectangle(*side), name, (exitance / math.pi,) * 3)
+        mesh(name, plate(*side), name, (exitance / math.pi,) * 3)
         for name, side, exitance in zip(names, sides, EXITANCE, strict=True)
     )
     materials = {name: matte(name, (rho, rho, rho)) for name, rho in zip(names, ALBEDO, strict=True)}

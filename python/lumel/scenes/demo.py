@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from ..scene import Camera, Scene
 from .bust import bust
-from .parts import LAMP, glossy, lamp, matte, mesh, room
-from .primitives import box
+from .parts import LAMP, box, glossy, lamp, matte, mesh, room
 
 
 def scene() -> Scene:
@@ -23,14 +22,14 @@ def scene() -> Scene:
     )
     known = {material.name: material for material in materials}
     meshes = (
-        *(mesh(name, form, name if name in known else "white") for name, form in room(1.5, 2.5, 1.5)),
-        mesh("plinth", box((0, plinth_top / 2, -0.3), (0.38, plinth_top / 2, 0.38)), "plinth"),
+        *(mesh(name, form, name if name in known else "white") for name, form in room(1.25, 2.5, 1.5)),
+        mesh("plinth", box((0, plinth_top / 2, -0.3), (0.3, plinth_top / 2, 0.3)), "plinth"),
         mesh("bust", bust((0.0, plinth_top, -0.3), height=1.05, turn=14.0), "marble"),
-        lamp("large lamp", (-0.6, 2.49, 0.2), 0.45, 0.3, (16.0, 15.0, 13.0)),
-        lamp("small lamp", (1.0, 2.49, 0.9), 0.15, 0.15, (10.0, 14.0, 22.0)),
+        lamp("large lamp", (-0.5, 2.49, 0.2), 0.45, 0.3, (16.0, 15.0, 13.0)),
+        lamp("small lamp", (0.85, 2.49, 0.9), 0.15, 0.15, (10.0, 14.0, 22.0)),
     )
     cameras = (
-        Camera.look_at("main", (0.5, 1.35, 1.45), (0.0, 1.2, -0.3), fov=62, width=400, height=300),
-        Camera.look_at("side", (-1.2, 0.9, 1.2), (0.0, 1.1, -0.3), fov=62, width=400, height=300),
+        Camera.look_at("main", (0.36, 1.4, 1.4), (0.03, 1.13, -0.3), fov=62, width=400, height=300),
+        Camera.look_at("side", (-1.0, 1.0, 1.1), (0.0, 1.15, -0.3), fov=62, width=400, height=300),
     )
     return Scene(meshes, known, cameras=cameras, source="lumel:demo")

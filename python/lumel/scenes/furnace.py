@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from ..readers.primitives import sphere
 from ..scene import Camera, Scene
 from .parts import matte, mesh
-from .primitives import icosphere
 
 ALBEDO = 0.5
 
@@ -12,6 +12,6 @@ ALBEDO = 0.5
 def scene() -> Scene:
     """A sphere of radius 1 m, front inwards, with one camera inside: every pixel is 1 in all channels."""
     light = 1 - ALBEDO
-    wall = mesh("wall", icosphere((0, 0, 0), 1.0, 3, inward=True), "wall", (light, light, light))
+    wall = mesh("wall", sphere(3).flipped(), "wall", (light, light, light))
     camera = Camera.look_at("main", (0.3, 0.1, 0.5), (0.0, 0.0, -1.0), fov=70, width=256, height=192)
     return Scene((wall,), {"wall": matte("wall", (ALBEDO, ALBEDO, ALBEDO))}, cameras=(camera,), source="lumel:furnace")

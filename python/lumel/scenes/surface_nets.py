@@ -13,7 +13,7 @@ import numpy.typing as npt
 from .implicit import Field, Points, Values, Vec, probe
 
 Nodes = npt.NDArray[np.float64]  # (nx, ny, nz, 3)
-Indices = npt.NDArray[np.int32]
+Indices = npt.NDArray[np.int64]
 _BLUR = 0.27  # the form is seen through a filter of this share of a cell, so that no detail is finer than the mesh can show
 _BLOCK = 4  # nodes along the side of a block that is evaluated or skipped as a whole
 
@@ -34,7 +34,7 @@ def fisheye(lo: Vec, hi: Vec, center: Vec, step: float, spread: float) -> Nodes:
 
 
 def polygonise(field: Field, nodes: Nodes, relax: int = 2) -> tuple[Points, Indices, Points]:
-    """Vertices (n, 3), triangles (m, 3) int32 counter-clockwise from outside, and unit normals (n, 3) of the surface field = 0.
+    """Vertices (n, 3), triangles (m, 3) counter-clockwise from outside, and unit normals (n, 3) of the surface field = 0.
 
     The surface must lie inside the grid and be smooth at its scale, or edges may join more than two triangles. `relax`
     rounds slide the vertices along the surface towards the middle of their neighbours, for well-shaped triangles.
@@ -89,8 +89,8 @@ def _place(values: Nodes, nodes: Nodes) -> tuple[Points, Indices, Values]:
         t = (f0[crossed] / (f0[crossed] - f1[crossed]))[:, None]
         total[crossed] += (1 - t) * nodes[tuple(n0[crossed].T)] + t * nodes[tuple(n1[crossed].T)]
         hits[crossed] += 1
-    vertex = np.full((nx, ny, nz), -1, dtype=np.int32)
-    vertex[tuple(cell.T)] = np.arange(len(cell), dtype=np.int32)
+    vertex = np.full((nx, ny, nz), -1, dtype=np.int64)
+    vertex[tuple(cell.T)] = np.arange(len(cell), dtype=np.int64)
     size = np.linalg.norm(nodes[tuple((cell + 1).T)] - nodes[tuple(cell.T)], axis=1) / np.sqrt(3)
     return total / hits[:, None], vertex, size
 
@@ -132,4 +132,4 @@ def _split(points: Points, quads: Indices) -> Indices:
     p = points[quads]
     straight = np.linalg.norm(p[:, 0] - p[:, 2], axis=1) <= np.linalg.norm(p[:, 1] - p[:, 3], axis=1)
     even, odd = quads[:, [0, 1, 2, 0, 2, 3]], quads[:, [1, 2, 3, 1, 3, 0]]
-    return np.where(straight[:, None], even, odd).reshape(-1, 3).astype(np.int32)
+    return np.where(straight[:, None], even, odd).reshape(-1, 3)
