@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from ..errors import nearest
 from ..scene import BLACK, Material, Rgb
 from .findings import Findings
-from .fresnel import largest_albedo, mean_reflectance
+from .fresnel import base_albedo, largest_albedo
 from .plugins import Plugin
 from .references import References
 from .tree import Node
@@ -193,7 +193,7 @@ def _conductor_lobe(plugin: Plugin, alpha: float) -> Reflection:
 
 
 def _plastic(_: BsdfReader, plugin: Plugin) -> Reflection:
-    return _coated(plugin, SMOOTH_PLASTIC)
+    return _coated(plugin, 0.0)
 
 
 def _roughplastic(_: BsdfReader, plugin: Plugin) -> Reflection:
@@ -205,7 +205,7 @@ def _roughplastic(_: BsdfReader, plugin: Plugin) -> Reflection:
 
 
 def _coated(plugin: Plugin, alpha: float) -> Reflection:
-    """A diffuse base below a dielectric coat."""
+    """A diffuse base below a dielectric coat of roughness `alpha`, 0 for smooth."""
     base = plugin.colour("diffuse_reflectance", GREY, 0, 1)
     tint = plugin.colour("specular_reflectance", WHITE, 0, 1)
     nonlinear = plugin.flag("nonlinear", False)
@@ -214,10 +214,9 @@ def _coated(plugin: Plugin, alpha: float) -> Reflection:
         plugin.findings.wrong(f"{plugin.label}: 'int_ior' {inside:g} is below 'ext_ior' {outside:g}", plugin.node)
         inside = outside
     eta = inside / outside
-    passed = 1 - mean_reflectance(eta)
-    # Light passes the coat, is reflected between base and coat any number of times, and passes the coat again.
-    kept = 1 - passed / eta**2
-    diffuse = _map(base, lambda rho: rho * passed * passed / eta**2 / (1 - kept * (rho if nonlinear else 1.0)))
+    passed, kept = base_albedo(alpha, eta)
+    diffuse = _map(base, lambda rho: rho * passed / (1 - kept * (rho if nonlinear else 1.0)))
+    alpha = alpha or SMOOTH_PLASTIC
     most = largest_albedo(alpha, eta)
     free = [0.995 * (1 - albedo) / (share * most) for albedo, share in zip(diffuse, tint, strict=True) if share * most > 0]
     dimmed = min([1.0, *free])
