@@ -52,11 +52,11 @@ def nose(d: Values, p: Points, m: Points) -> Values:
 
 def mouth(d: Values, p: Points, m: Points) -> Values:
     """Lips that just close, with the hint of a smile."""
-    d = join(d, ellipsoid(p, (0, -6.5, 7.0), (2.5, 1.9, 1.3)), 1.3)
-    d = join(d, arc(m, ((0.25, -5.98, 8.4), (0.8, -6.0, 8.4), (2.2, -6.4, 7.5)), (0.4, 0.45, 0.15)), 0.45)
-    d = join(d, arc(m, ((0.0, -7.25, 8.2), (0.8, -7.2, 8.1), (2.0, -6.6, 7.5)), (0.58, 0.52, 0.15)), 0.45)
-    d = cut(d, arc(m, ((0.0, -6.62, 8.98), (1.0, -6.55, 8.8), (2.3, -6.3, 7.8)), (0.12, 0.12, 0.1)), 0.45)
-    return cut(d, limb(p, (0, -4.8, 9.1), (0, -5.4, 9.1), 0.3, 0.34), 0.7)
+    d = join(d, ellipsoid(p, (0, -6.5, 6.7), (2.5, 1.9, 1.3)), 1.4)
+    d = join(d, arc(m, ((0.25, -6.0, 8.1), (0.8, -6.02, 8.08), (2.2, -6.4, 7.2)), (0.36, 0.42, 0.15)), 0.5)
+    d = join(d, arc(m, ((0.0, -7.22, 7.9), (0.8, -7.18, 7.8), (2.0, -6.6, 7.2)), (0.54, 0.48, 0.15)), 0.5)
+    d = cut(d, arc(m, ((0.0, -6.62, 8.65), (1.0, -6.55, 8.45), (2.3, -6.3, 7.5)), (0.12, 0.12, 0.1)), 0.45)
+    return cut(d, limb(p, (0, -4.8, 9.0), (0, -5.4, 8.9), 0.3, 0.34), 0.7)
 
 
 def ears(d: Values, m: Points) -> Values:
@@ -116,14 +116,13 @@ def body(p: Points, m: Points) -> Values:
 
 def figure(p: Points) -> Values:
     """The whole bust, before she turns her head."""
+    d = body(p, mirrored(p))
+    high = p[:, 1] > -15.0  # further down the head is too far off to matter
+    p = p[high]
     m = mirrored(p)
-    d = skull(p, m)
-    d = eyes(d, m)
-    d = nose(d, p, m)
-    d = mouth(d, p, m)
-    d = ears(d, m)
-    d = join(d, body(p, m), 1.6)
-    return join(d, hair(p, m), 0.9)
+    head = mouth(nose(eyes(skull(p, m), m), p, m), p, m)
+    d[high] = join(join(ears(head, m), d[high], 1.6), hair(p, m), 0.9)
+    return d
 
 
 def bust(foot: Vec, height: float, turn: float, glance: float = 22.0) -> Surface:

@@ -15,7 +15,7 @@ def scene() -> Scene:
         matte("white", (0.75, 0.75, 0.75)),
         matte("left wall", (0.55, 0.2, 0.12)),
         matte("right wall", (0.12, 0.25, 0.5)),
-        matte("back wall", (0.65, 0.65, 0.65)),
+        matte("back wall", (0.45, 0.45, 0.45)),
         glossy("marble", (0.75, 0.7, 0.62), 0.45, 0.18),
         glossy("plinth", (0.4, 0.4, 0.4), 0.5, 0.1),
         LAMP,
