@@ -1,0 +1,144 @@
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include "arrays.h"
+#include "lumel/solver/session.h"
+
+using namespace lumel;
+
+namespace {
+
+/// A session that works with a given number of threads, and lets other Python threads run meanwhile.
+class BoundSession {
+public:
+    BoundSession(const Scene& scene, const std::vector<Camera>& cameras, const std::string& transport, const std::string& estimator,
+                 float defensive, bool first_shot, uint32_t direct_samples, uint64_t seed, int threads)
+        : limit_(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)), arena_(threads) {
+        SessionConfig config;
+        config.solver = {transport == "walk" ? Transport::kWalk : Transport::kRays, defensive, first_shot, direct_samples, seed};
+        config.estimator = find_estimator(estimator);
+        if (!config.estimator) throw nb::value_error("unknown estimator");
+        run([&] { session_ = std::make_unique<Session>(scene, cameras, config); });
+    }
+
+    void begin_replica(uint64_t solve_rays) {
+        run([&] { session_->solver().begin_replica(solve_rays); });
+    }
+    void step(uint64_t rays) {
+        run([&] { session_->solver().step(rays); });
+    }
+    void end_replica() {
+        run([&] { session_->solver().end_replica(); });
+    }
+    void reconstruct() {
+        run([&] { session_->reconstruct(); });
+    }
+    bool eye_pass(uint32_t camera, uint32_t samples) {
+        bool done = false;
+        run([&] { done = session_->eye_pass(camera, samples); });
+        return done;
+    }
+    Session& session() { return *session_; }
+
+private:
+    template <class Work>
+    void run(Work&& work) {
+        nb::gil_scoped_release release;
+        arena_.execute(work);
+    }
+    tbb::global_control limit_;
+    tbb::task_arena arena_;
+    std::unique_ptr<Session> session_;
+};
+
+/// Layers of a film, by name: (height, width, 3) or (height, width).
+nb::dict layers(BoundSession& self, uint32_t camera) {
+    const Film& film = self.session().film(camera);
+    const size_t pixels = film.sum.size();
+    std::vector<Rgb> emission(pixels), direct(pixels), diffuse(pixels), specular(pixels), albedo(pixels), normal(pixels), error(pixels),
+        solution(pixels);
+    std::vector<float> depth(pixels);
+    for (size_t i = 0; i < pixels; ++i) {
+        const EyeSample s = film.mean(i);
+        emission[i] = s.emission, direct[i] = s.direct, diffuse[i] = s.indirect_diffuse, specular[i] = s.indirect_specular;
+        albedo[i] = s.albedo, normal[i] = s.normal, depth[i] = s.depth, error[i] = film.standard_error(i);
+        solution[i] = s.solution_stderr;
+    }
+    nb::dict d;
+    const auto add = [&](const char* name, const std::vector<Rgb>& values) { d[name] = to_numpy(flat(values), {film.height, film.width, 3}); };
+    add("emission", emission);
+    add("direct", direct);
+    add("indirect.diffuse", diffuse);
+    add("indirect.specular", specular);
+    add("albedo", albedo);
+    add("normal", normal);
+    add("stderr", error);
+    add("stderr.solution", solution);
+    d["depth"] = to_numpy(std::move(depth), {film.height, film.width});
+    return d;
+}
+
+/// Irradiance of all sides: mean and variance of the mean, each (2, patches, 3): front, back.
+nb::tuple field(const SideField& f) {
+    const size_t patches = f.mean.size() / 2;
+    return nb::make_tuple(to_numpy(flat(f.mean), {2, patches, 3}), to_numpy(flat(f.variance), {2, patches, 3}));
+}
+
+nb::dict stats(BoundSession& self) {
+    const Session& session = self.session();
+    Solver& solver = self.session().solver();
+    nb::dict d;
+    d["rays"] = solver.stats().rays;
+    d["escaped_rays"] = solver.stats().escaped;
+    d["replicas"] = solver.replicas();
+    d["measured_sides"] = solver.areas().size();
+    d["open"] = session.defensive().open();
+    d["defensive_area"] = session.defensive().area();
+    return d;
+}
+
+/// Estimates of all measured sides towards one eye: side, value rgb, variance rgb, mean g/p, its variance, hits, F rgb: (n, 13) float.
+Array area_estimates(BoundSession& self, uint32_t eye, const std::string& estimator) {
+    const PatchAreas& areas = self.session().solver().areas();
+    const Estimator* e = find_estimator(estimator);
+    if (!e) throw nb::value_error("unknown estimator");
+    std::vector<float> values;
+    for (uint32_t area = 0; area < areas.size(); ++area) {
+        const Samples s = areas.samples(eye, area);
+        const Estimate estimate = e->estimate(s);
+        const Rgb v = estimate.value.to_float(), w = estimate.variance.to_float(), f = s.f.to_float();
+        values.insert(values.end(), {static_cast<float>(areas.sides()[area]), v.x, v.y, v.z, w.x, w.y, w.z, static_cast<float>(s.g),
+                                     static_cast<float>(s.var_g), static_cast<float>(s.hits), f.x, f.y, f.z});
+    }
+    return to_numpy(std::move(values), {areas.size(), 13});
+}
+
+}  // namespace
+
+void bind_session(nb::module_& m) {
+    nb::class_<BoundSession>(m, "Session")
+        .def(nb::init<const Scene&, const std::vector<Camera>&, const std::string&, const std::string&, float, bool, uint32_t, uint64_t, int>(),
+             nb::arg("scene"), nb::arg("cameras"), nb::arg("transport"), nb::arg("estimator"), nb::arg("defensive"), nb::arg("first_shot"),
+             nb::arg("direct_samples"), nb::arg("seed"), nb::arg("threads"))
+        .def("begin_replica", &BoundSession::begin_replica, nb::arg("solve_rays"))
+        .def("step", &BoundSession::step, nb::arg("rays"))
+        .def("end_replica", &BoundSession::end_replica)
+        .def("reconstruct", &BoundSession::reconstruct)
+        .def("eye_pass", &BoundSession::eye_pass, nb::arg("camera"), nb::arg("samples"))
+        .def("stop", [](BoundSession& self) { self.session().stop(); })
+        .def("layers", layers, nb::arg("camera"))
+        .def("direct", [](BoundSession& self) { return field(self.session().solver().direct()); })
+        .def("indirect", [](BoundSession& self) { return field(self.session().solver().indirect()); })
+        .def("area_estimates", area_estimates, nb::arg("eye"), nb::arg("estimator"))
+        .def("borrowed", [](BoundSession& self) { return self.session().reconstruction().borrowed(); })
+        .def("unfilled", [](BoundSession& self) { return self.session().reconstruction().unfilled(); })
+        .def_prop_ro("stats", stats);
+    m.def("estimators", [] {
+        std::vector<std::string> names;
+        for (const Estimator& e : estimators()) names.emplace_back(e.name);
+        return names;
+    });
+}

@@ -1,0 +1,189 @@
+"""`lumel.render`: from a scene and settings to pictures."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+
+from .core import camera_to_core, to_core
+from .progress import Progress
+from .result import Patches, Result
+from .scene import FloatArray, Scene
+from .settings import QUALITIES, Settings
+
+
+def render(
+    scene: Scene,
+    *,
+    transport: str = "rays",
+    areas: str = "patches",
+    estimator: str = "weighted",
+    defensive: float | None = None,
+    first_shot: bool = True,
+    rays: int | None = None,
+    time: float | None = None,
+    error: float | None = None,
+    patches: int | None = None,
+    quality: str = "medium",
+    camera: str | None = None,
+    size: tuple[int, int] | None = None,
+    seed: int = 0,
+    threads: int = 0,
+    layers: Sequence[str] | Literal["all"] | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    interrupted: Callable[[], bool] | None = None,
+    started: float | None = None,
+) -> Result:
+    """Render `scene` by shooting light.
+
+    transport: `rays` (shoot from a solved state) or `walk` (random walks from the lights). areas: `patches`. estimator: `weighted` or
+    `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene). first_shot: compute direct light apart.
+    One budget: rays (shooting rays), time (s, from `started` until the picture is complete) or error (relative);
+    with none, `quality` (draft, medium, high) sets the work. patches: how many, about. camera: a name, `all`, or None for the
+    first. size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have. progress is
+    called now and then; interrupted is asked between steps, and True ends the work early with a valid result.
+    started: time.monotonic() of when the files were read. Equal seed and rays give equal bytes for any number of threads.
+
+    Raises SettingsError or SceneError with all that is wrong.
+    """
+    started = clock.monotonic() if started is None else started
+    from . import _core
+    from .schedule import Schedule
+
+    scene, notes = with_camera(scene)
+    settings = Settings(transport, areas, estimator, defensive, first_shot, rays, time, error, patches, quality, camera, size, seed, threads, layers)
+    settings.check(scene)
+    cameras = settings.cameras(scene)
+    core, left_out = to_core(scene, patches)
+    session = _core.Session(
+        core,
+        [camera_to_core(c) for c in cameras],
+        transport,
+        estimator,
+        -1.0 if defensive is None else defensive,
+        first_shot,
+        4,
+        seed,
+        settings.thread_count(),
+    )
+    schedule = Schedule(session, len(cameras), core.patches, transport, started, progress, interrupted or (lambda: False))
+    work = QUALITIES[quality]
+    if time is not None:
+        schedule.by_time(time)
+    elif error is not None:
+        schedule.by_error(error)
+    else:
+        schedule.by_rays(rays or max(work.rays, work.rays_per_patch * core.patches), work.samples)
+    schedule.error = math.hypot(*schedule.errors())
+
+    notes = (*scene.notes, *notes, *left_out)
+    if not any(max(m.emission) > 0 for m in scene.meshes) and not scene.lights:
+        notes = (*notes, "the scene has no light: the picture is black")
+    pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
+    notes = (*notes, *(f"camera '{name}' sees no light at all: it may be inside a wall" for name, p in pictures.items() if not p["rgb"].any()))
+    stats = _stats(session, schedule, clock.monotonic() - started, core.patches)
+    metadata = {
+        **_made_by(),
+        "scene": scene.source,
+        "scene hash": scene_hash(scene),
+        "transport": transport,
+        "areas": areas,
+        "estimator": estimator,
+        "seed": str(seed),
+        "rays": str(stats["rays"]),
+        "time": f"{stats['time']:.3f}",
+    }
+    return Result(pictures, _patches(core, session, scene), metadata, stats, notes)
+
+
+def describe(scene: Scene, patches: int | None = None) -> dict[str, Any]:
+    """What is in a scene: `patches`, `triangles`, `degenerate`, `duplicate`, `huge`, `nonfinite` (counts), `memory_bytes` that a render with
+    one camera will take, `surface_area` (m2), `power` (W, RGB), `lights` (list of `name`, `kind`, `power`). Raises SceneError."""
+    core, _ = to_core(scene, patches)
+    report = core.report
+    lights = [
+        {"name": mesh.name, "kind": "area", "power": tuple(math.pi * area * e for e in mesh.emission)}
+        for mesh, area in zip(scene.meshes, core.lamp_areas, strict=True)
+        if area > 0
+    ]
+    lights += [{"name": light.name, "kind": "point", "power": tuple(4 * math.pi * i for i in light.intensity)} for light in scene.lights]
+    return {
+        "patches": core.patches,
+        "triangles": core.triangles,
+        **{key: report[key] for key in ("degenerate", "duplicate", "huge", "nonfinite")},
+        "memory_bytes": _memory(scene, core),
+        "surface_area": core.total_area,
+        "power": tuple(float(p) for p in np.sum([light["power"] for light in lights], axis=0)) if lights else (0.0, 0.0, 0.0),
+        "lights": lights,
+    }
+
+
+def with_camera(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
+    """The scene with at least one camera, and a note if one had to be framed."""
+    if scene.cameras or not scene.meshes:
+        return scene, ()
+    from .readers.defaults import framed_camera
+
+    return replace(scene, cameras=(framed_camera(scene.meshes),)), ("the scene has no camera: one that sees all of it was added",)
+
+
+def scene_hash(scene: Scene) -> str:
+    """SHA-256 over all that a picture depends on, in hexadecimal."""
+    digest = hashlib.sha256()
+    for mesh in scene.meshes:
+        digest.update(repr((mesh.name, mesh.material, mesh.emission, mesh.normals is None)).encode())
+        for array in (mesh.vertices, mesh.triangles, mesh.normals):
+            digest.update(b"" if array is None else np.ascontiguousarray(array).tobytes())
+    digest.update(repr((sorted(scene.materials.items()), scene.lights)).encode())
+    for camera in scene.cameras:
+        digest.update(repr((camera.name, np.asarray(camera.to_world).tolist(), camera.fov, camera.fov_axis, camera.width, camera.height)).encode())
+    return digest.hexdigest()
+
+
+def _made_by() -> dict[str, str]:
+    from . import __version__
+
+    return {"software": "lumel", "version": __version__}
+
+
+def _picture(layers: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    parts = (layers[name] for name in ("emission", "direct", "indirect.diffuse", "indirect.specular"))
+    layers.pop("stderr.solution")
+    return {"rgb": np.asarray(sum(parts), dtype=np.float32), **layers}
+
+
+def _stats(session: Any, schedule: Any, seconds: float, patches: int) -> dict[str, object]:
+    return {
+        **session.stats,
+        "rays_per_s": schedule.rays_per_s,
+        "time": seconds,
+        "error": schedule.error,
+        "interrupted": schedule.was_interrupted,
+        "patches": patches,
+        "borrowed": session.borrowed(),
+        "unfilled": session.unfilled(),
+    }
+
+
+def _patches(core: Any, session: Any, scene: Scene) -> Patches:
+    geometry = core.patch_geometry()
+    (direct, direct_var), (indirect, indirect_var) = session.direct(), session.indirect()
+    irradiance = np.moveaxis(direct + indirect, 0, 1)
+    materials = list(scene.materials.values())
+    index = geometry[:, 7].astype(np.intp)
+    albedo = np.array([m.diffuse for m in materials], np.float32)[index]
+    back = np.array([m.two_sided for m in materials], np.float32)[index]
+    sides = np.stack([np.ones_like(back), back], axis=1)[:, :, None] * albedo[:, None, :]
+    stderr = np.sqrt(np.moveaxis(direct_var + indirect_var, 0, 1)) * sides
+    return Patches(irradiance * sides, irradiance, stderr, geometry[:, 0], geometry[:, 1:4], geometry[:, 4:7])
+
+
+def _memory(scene: Scene, core: Any) -> int:
+    pixels = max((c.width * c.height for c in scene.cameras), default=0)
+    return 60_000_000 + core.triangles * 200 + core.patches * 420 + core.glossy_sides * 350 + pixels * 450

@@ -1,0 +1,115 @@
+"""What can be set for a render, checked all at once."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from .errors import Problem, SettingsError, nearest
+from .scene import Camera, Scene
+
+TRANSPORTS = ("rays", "walk")
+AREAS = ("patches",)
+ESTIMATORS = ("classical", "weighted")
+LARGEST_PICTURE = 32_768  # pixels a side
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Work that is done when no budget is given: shooting rays (at least, and a patch) and eye samples a pixel."""
+
+    rays: int
+    rays_per_patch: int
+    samples: int
+
+
+QUALITIES = {"draft": Quality(1_000_000, 20, 16), "medium": Quality(10_000_000, 200, 64), "high": Quality(80_000_000, 1500, 256)}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The settings of `lumel.render`, with the same names and defaults."""
+
+    transport: str = "rays"
+    areas: str = "patches"
+    estimator: str = "weighted"
+    defensive: float | None = None
+    first_shot: bool = True
+    rays: int | None = None
+    time: float | None = None
+    error: float | None = None
+    patches: int | None = None
+    quality: str = "medium"
+    camera: str | None = None
+    size: tuple[int, int] | None = None
+    seed: int = 0
+    threads: int = 0
+    layers: Sequence[str] | Literal["all"] | None = None
+
+    def check(self, scene: Scene) -> None:
+        """Raise SettingsError with all that is out of range or unknown."""
+        if problems := [Problem(text) for text in (*self._names(), *self._budgets(), *self._numbers(), *self._views(scene))]:
+            raise SettingsError(problems)
+
+    def cameras(self, scene: Scene) -> tuple[Camera, ...]:
+        """The cameras to render, with the size that was asked for."""
+        if self.camera == "all":
+            chosen = scene.cameras
+        elif self.camera is None:
+            chosen = scene.cameras[:1]
+        else:
+            chosen = tuple(camera for camera in scene.cameras if camera.name == self.camera)
+        return tuple(camera.with_size(*self.size) for camera in chosen) if self.size else chosen
+
+    def thread_count(self) -> int:
+        """Threads to work with: 0 means as many as this process may use."""
+        return self.threads or len(os.sched_getaffinity(0))
+
+    def _names(self) -> Iterator[str]:
+        choices = {
+            "transport": (self.transport, TRANSPORTS),
+            "areas": (self.areas, AREAS),
+            "estimator": (self.estimator, ESTIMATORS),
+            "quality": (self.quality, tuple(QUALITIES)),
+        }
+        for name, (value, allowed) in choices.items():
+            if value not in allowed:
+                yield f"unknown {name} '{value}'; {nearest(str(value), allowed)}"
+
+    def _budgets(self) -> Iterator[str]:
+        given = [name for name in ("rays", "time", "error") if getattr(self, name) is not None]
+        if len(given) > 1:
+            yield f"{' and '.join(given)} are given; allowed: one of them"
+        if self.rays is not None and not 1 <= self.rays <= 10**13:
+            yield f"rays is {self.rays}; allowed: 1 to 10^13"
+        if self.time is not None and not 0 < self.time < math.inf:
+            yield f"time is {self.time:g}; allowed: more than 0 seconds"
+        if self.error is not None and not 0 < self.error < math.inf:
+            yield f"error is {self.error:g}; allowed: more than 0"
+
+    def _numbers(self) -> Iterator[str]:
+        if self.defensive is not None and not 0 <= self.defensive <= 1:
+            yield f"defensive is {self.defensive:g}; allowed: 0 to 1, the share of defensive rays"
+        if self.patches is not None and not 1 <= self.patches <= 2**30:
+            yield f"patches is {self.patches}; allowed: 1 to 2^30"
+        if not 0 <= self.seed < 2**64:
+            yield f"seed is {self.seed}; allowed: 0 to 2^64 - 1"
+        if not 0 <= self.threads <= 1024:
+            yield f"threads is {self.threads}; allowed: 0 (all) to 1024"
+
+    def _views(self, scene: Scene) -> Iterator[str]:
+        names = [camera.name for camera in scene.cameras]
+        if self.camera not in (None, "all") and self.camera not in names:
+            yield f"unknown camera '{self.camera}'; {nearest(str(self.camera), ['all', *names])}"
+        for camera in self.cameras(scene) if self.size is None else ():
+            if not _is_size(camera.width, camera.height):
+                yield f"camera '{camera.name}' has size {camera.width}x{camera.height}; allowed: 1x1 to {LARGEST_PICTURE}x{LARGEST_PICTURE}"
+        if self.size is not None and not _is_size(*self.size):
+            yield f"size is {self.size[0]}x{self.size[1]}; allowed: 1x1 to {LARGEST_PICTURE}x{LARGEST_PICTURE}"
+
+
+def _is_size(width: int, height: int) -> bool:
+    return 1 <= width <= LARGEST_PICTURE and 1 <= height <= LARGEST_PICTURE

@@ -1,0 +1,59 @@
+// Ray queries against the undivided triangles of a scene.
+#pragma once
+
+#include <memory>
+
+#include "lumel/scene/scene.h"
+
+namespace lumel {
+
+struct Ray {
+    Vec3 origin, direction;  ///< any length of direction; `reach` counts in it
+    float reach = INFINITY;
+};
+
+struct Hit {
+    static constexpr uint32_t kMiss = 0xffffffffu;
+
+    uint32_t triangle = kMiss;
+    float u = 0, v = 0;
+    bool back = false;  ///< the ray came from behind the triangle
+
+    bool is_miss() const { return triangle == kMiss; }
+    SurfacePoint point() const { return {triangle, u, v}; }
+};
+
+/// Flush denormals on this thread while it traces, as Embree wants.
+class FlushDenormals {
+public:
+    FlushDenormals();
+    ~FlushDenormals();
+    FlushDenormals(const FlushDenormals&) = delete;
+    FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+private:
+    unsigned saved_;
+};
+
+/// An acceleration structure; safe to use from many threads.
+class Accel {
+public:
+    /// Build over `scene`, which must outlive the structure.
+    explicit Accel(const Scene& scene);
+    ~Accel();
+    Accel(Accel&&) noexcept;
+
+    Hit intersect(const Ray& ray) const;
+    bool occluded(const Ray& ray) const;
+    /// Do two points see each other? Both must already be off their surfaces.
+    bool visible(Vec3 a, Vec3 b) const { return !occluded({a, b - a, 1.0f}); }
+
+    const Scene& scene() const { return *scene_; }
+
+private:
+    struct Embree;
+    const Scene* scene_;
+    std::unique_ptr<Embree> embree_;
+};
+
+}  // namespace lumel

@@ -1,0 +1,83 @@
+#include "lumel/eye/eye_pass.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "lumel/eye/shade.h"
+#include "lumel/sampling/hash.h"
+
+namespace lumel {
+
+namespace {
+
+constexpr uint32_t kSurveySamples = 8;  // per pixel, to find out which patches are visible
+
+}  // namespace
+
+bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reconstruction& reconstruction, const EyePassConfig& config,
+              const std::atomic<bool>* stop, Film& film) {
+    const EyeShader shader(accel, reconstruction, eye, config.direct_light);
+    const float share = 1.0f / static_cast<float>(config.samples);
+    std::vector<EyeSample> pass(film.sum.size());
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, film.height), [&](const auto& rows) {
+        const FlushDenormals flush;
+        for (uint32_t y = rows.begin(); y < rows.end(); ++y) {
+            if (stop && stop->load(std::memory_order_relaxed)) return;
+            for (uint32_t x = 0; x < film.width; ++x) {
+                const size_t pixel = size_t{y} * film.width + x;
+                for (uint32_t i = 0; i < config.samples; ++i) {
+                    EyeStream stream(key(config.stream, pixel), i);
+                    const Square in_pixel = stream.next();
+                    const Square film_point{(static_cast<float>(x) + in_pixel.u) / static_cast<float>(film.width),
+                                            (static_cast<float>(y) + in_pixel.v) / static_cast<float>(film.height)};
+                    pass[pixel] += shader.sample({camera.origin, camera.direction(film_point)}, stream) * share;
+                }
+            }
+        }
+    });
+    if (stop && stop->load()) return false;
+    for (size_t pixel = 0; pixel < pass.size(); ++pixel) {
+        const Rgb radiance = pass[pixel].radiance();
+        film.sum[pixel] += pass[pixel];
+        film.square[pixel] += radiance * radiance;
+    }
+    ++film.passes;
+    return true;
+}
+
+std::vector<uint32_t> visible_glossy_sides(const Accel& accel, const Lattice& lattice, std::span<const Camera> cameras) {
+    const Scene& scene = accel.scene();
+    std::vector<std::atomic<uint8_t>> seen(scene.sides());
+    for (const Camera& camera : cameras)
+        tbb::parallel_for(uint32_t{0}, camera.height, [&](uint32_t y) {
+            const FlushDenormals flush;
+            for (uint32_t x = 0; x < camera.width; ++x)
+                for (uint32_t i = 0; i < kSurveySamples; ++i) {
+                    const Square s = sobol2d(i, key(0x51, y, x));
+                    const Hit hit = accel.intersect({camera.origin, camera.direction({(static_cast<float>(x) + s.u) / static_cast<float>(camera.width),
+                                                                                      (static_cast<float>(y) + s.v) / static_cast<float>(camera.height)})});
+                    if (!hit.is_miss()) seen[scene.side_of(hit.point(), hit.back)].store(1, std::memory_order_relaxed);
+                }
+        });
+
+    // Interpolation reads the vertices of visible patches, and vertices pool all patches around them.
+    std::vector<uint8_t> near(size_t{lattice.size()} * 2);
+    const auto vertices = [&](uint32_t side) {
+        auto ids = lattice.corners(scene.patch_of_side(side));
+        if (scene.is_back(side))
+            for (uint32_t& id : ids) id += lattice.size();
+        return ids;
+    };
+    for (uint32_t side = 0; side < scene.sides(); ++side)
+        if (seen[side])
+            for (uint32_t vertex : vertices(side)) near[vertex] = 1;
+    std::vector<uint32_t> sides;
+    for (uint32_t side = 0; side < scene.sides(); ++side) {
+        if (scene.glossy_index(side) == Scene::kNone) continue;
+        const auto ids = vertices(side);
+        if (near[ids[0]] || near[ids[1]] || near[ids[2]]) sides.push_back(side);
+    }
+    return sides;
+}
+
+}  // namespace lumel

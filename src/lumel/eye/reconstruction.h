@@ -1,0 +1,52 @@
+// The solution between patches: irradiance and specular radiance at lattice vertices, interpolated linearly over patches.
+#pragma once
+
+#include "lumel/areas/irradiance.h"
+#include "lumel/areas/patches.h"
+#include "lumel/scene/lattice.h"
+
+namespace lumel {
+
+/// A value and the standard error that belongs to it.
+struct Reconstructed {
+    Rgb value, stderr_;
+};
+
+/// What a solve knows of the sides: irradiance that was shot, irradiance straight from lamps, and the measured areas.
+struct Solution {
+    const SideField& indirect;
+    const SideField& direct;
+    const PatchAreas& areas;
+};
+
+/// Smooth fields made from a solution. A vertex pools the samples of all patches around it: their sums are added before the
+/// estimator takes its ratio.
+class Reconstruction {
+public:
+    Reconstruction(const Scene& scene, const Lattice& lattice, const Solution& solution, const Estimator& estimator);
+
+    /// Irradiance that was shot (indirect, or all without the first shot), W/m2.
+    Reconstructed irradiance(SurfacePoint p, bool back) const;
+    /// Irradiance that was shot and direct irradiance together, W/m2.
+    Rgb total_irradiance(SurfacePoint p, bool back) const;
+    /// Indirect specular radiance towards an eye, W/(m2 sr); nothing where it was not measured.
+    Reconstructed specular(uint32_t eye, SurfacePoint p, bool back) const;
+
+    /// Vertices that had no sample of their own and took those of their neighbours, and vertices that found none there either.
+    uint32_t borrowed() const { return borrowed_; }
+    uint32_t unfilled() const { return unfilled_; }
+
+private:
+    void gather_irradiance(const SideField& indirect, const SideField& direct);
+    void gather_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye);
+    uint32_t vertex_side(uint32_t vertex, bool back) const { return vertex + (back ? lattice_->size() : 0); }
+
+    const Scene* scene_;
+    const Lattice* lattice_;
+    std::vector<Rgb> irradiance_, irradiance_stderr_, direct_;   // per vertex and side
+    std::vector<uint32_t> specular_slot_;                        // per vertex and side: place in the next, or Scene::kNone
+    std::vector<std::vector<Reconstructed>> specular_;           // per eye
+    uint32_t slots_ = 0, borrowed_ = 0, unfilled_ = 0;
+};
+
+}  // namespace lumel

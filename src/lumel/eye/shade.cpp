@@ -1,0 +1,155 @@
+#include "lumel/eye/shade.h"
+
+namespace lumel {
+
+namespace {
+
+constexpr int kMirrors = 64, kLobes = 32;
+
+/// Draw the other direction of the specular lobe around `wo`; `scatter` is w_s / pdf_w.
+struct LobeDraw {
+    Vec3 wi;
+    Rgb scatter;
+    float pdf_w = 0;
+};
+LobeDraw draw_lobe(const Surface& x, Vec3 wo, Square s) {
+    const Frame frame(x.shading);
+    const Vec3 local_o = frame.to_local(wo);
+    if (!(local_o.z > 0)) return {};
+    const Vec3 local_i = ggx::sample(local_o, x.material->alpha, s), wi = frame.to_world(local_i);
+    const float pdf_w = ggx::pdf_w(local_o, local_i, x.material->alpha);
+    if (!(pdf_w > 0) || !(dot(x.normal, wi) > 0)) return {};
+    // w_s / pdf_w = F G1(wi) times the tint.
+    const Rgb fresnel = x.material->fresnel.any ? x.material->fresnel(0.5f * length(local_i + local_o)) : Rgb{1, 1, 1};
+    return {wi, x.material->specular * fresnel * ggx::G1(local_i.z, x.material->alpha), pdf_w};
+}
+
+}  // namespace
+
+EyeShader::Meeting EyeShader::meet(Ray& ray, EyeStream& stream) const {
+    Meeting m;
+    for (; m.mirrors < kMirrors; ++m.mirrors) {
+        m.hit = accel_.intersect(ray);
+        if (m.hit.is_miss()) return m;
+        const Surface x(scene_, m.hit.point(), m.hit.back);
+        if (m.mirrors == 0) m.distance = length(x.x - ray.origin);
+        const Rgb emitted = m.hit.back ? Rgb{} : scene_.emission(m.hit.triangle);
+        (m.mirrors == 0 ? m.emission : m.mirrored_emission) += m.throughput * emitted;
+        if (!x.material->is_mirror() || !x.scatters) return m;
+
+        // Go on by the mirror, or stay with the rest of the surface.
+        const float choice = x.material->mirror_choice();
+        const bool mirrored = choice >= 1 || stream.next_one() < choice;
+        m.throughput *= 1 / (mirrored ? choice : 1 - choice);
+        if (!mirrored) return m;
+        const Vec3 wo = -ray.direction;
+        const float cos = dot(x.shading, wo);
+        const Vec3 out = reflect(wo, x.shading);
+        m.hit = {};
+        if (!(cos > 0) || !(dot(out, x.normal) > 0)) return m;
+        m.throughput *= x.material->mirror_reflectance(cos);
+        const float survive = m.mirrors < 4 ? 1.0f : std::min(1.0f, max_component(m.throughput));
+        if (!(survive > 0) || (survive < 1 && stream.next_one() >= survive)) return m;
+        m.throughput *= 1 / survive;
+        ray = {x.off(scene_.epsilon()), out};
+    }
+    m.hit = {};
+    return m;
+}
+
+EyeSample EyeShader::sample(Ray ray, EyeStream& stream) const {
+    const Meeting m = meet(ray, stream);
+    EyeSample s;
+    s.depth = m.distance;
+    s.emission = m.emission + m.mirrored_emission;
+    if (m.hit.is_miss()) return s;
+    const SurfacePoint p = m.hit.point();
+    const bool back = m.hit.back;
+    const Surface x(scene_, p, back);
+    const Vec3 wo = -ray.direction;
+    s.normal = x.shading;
+    if (!x.scatters) return s;
+
+    const float cos = dot(x.shading, wo);
+    const bool glossy = x.material->is_glossy() && cos > 0;
+    s.albedo = m.throughput * (x.material->diffuse + (glossy ? x.material->albedo_s(cos) : Rgb{}));
+    if (direct_light_) s.direct = lamps(x, wo, stream);
+    const Reconstructed irradiance = reconstruction_.irradiance(p, back);
+    s.indirect_diffuse = x.material->diffuse * irradiance.value * kInvPi;
+    s.solution_stderr = x.material->diffuse * irradiance.stderr_ * kInvPi;
+
+    // The estimator knows the specular light towards the eye itself; what a mirror shows of a glossy surface is gathered.
+    if (glossy) {
+        const bool seen_directly = m.mirrors == 0;
+        const LobeLight light = lobe(x, wo, !seen_directly, stream);
+        s.direct += light.direct;
+        s.indirect_specular = light.indirect;
+        if (seen_directly) {
+            const Reconstructed specular = reconstruction_.specular(eye_, p, back);
+            s.indirect_specular = specular.value;
+            s.solution_stderr += specular.stderr_;
+        }
+    }
+    for (Rgb* radiance : {&s.direct, &s.indirect_diffuse, &s.indirect_specular, &s.solution_stderr}) *radiance *= m.throughput;
+    return s;
+}
+
+Rgb EyeShader::lamps(const Surface& x, Vec3 wo, EyeStream& stream) const {
+    const LampView view(scene_, x);
+    const float choice = stream.next_one();
+    const LampSample lamp = view.sample(choice, stream.next());
+    const float cos = dot(x.shading, lamp.wi);
+    if (!(lamp.pdf_w > 0) || !(cos > 0) || !(dot(x.normal, lamp.wi) > 0)) return {};
+    Rgb scatter = x.material->diffuse * (kInvPi * cos);
+    if (x.material->is_glossy()) {
+        const Frame frame(x.shading);
+        const Vec3 wi = frame.to_local(lamp.wi), local_o = frame.to_local(wo);
+        const float other = lamp.is_point ? 0.0f : ggx::pdf_w(local_o, wi, x.material->alpha);
+        scatter += x.material->scatter_s(wi, local_o) * (lamp.pdf_w / (lamp.pdf_w + other));
+    }
+    if (!accel_.visible(x.off(scene_.epsilon()), lamp.target)) return {};
+    return scatter * lamp.radiance * (1 / lamp.pdf_w);
+}
+
+EyeShader::LobeLight EyeShader::lobe(const Surface& x, Vec3 wo, bool indirect, EyeStream& stream) const {
+    if (!indirect && (!direct_light_ || scene_.area_lamps().empty())) return {};
+    const LobeDraw draw = draw_lobe(x, wo, stream.next());
+    if (!(draw.pdf_w > 0)) return {};
+    const Ray ray{x.off(scene_.epsilon()), draw.wi};
+    LobeLight light;
+    const Hit hit = accel_.intersect(ray);
+    if (!hit.is_miss() && !hit.back && scene_.lamp_of(hit.triangle) >= 0 && direct_light_) {
+        const float distance = length(scene_.position(hit.point()) - ray.origin);
+        const float other = LampView(scene_, x).pdf_w(hit.triangle, draw.wi, distance);
+        light.direct = draw.scatter * scene_.emission(hit.triangle) * (draw.pdf_w / (draw.pdf_w + other));
+    }
+    if (indirect) light.indirect = gather(ray, draw.scatter, !direct_light_, stream);
+    return light;
+}
+
+Rgb EyeShader::gather(Ray ray, Rgb throughput, bool emission_counts, EyeStream& stream) const {
+    Rgb sum;
+    for (int step = 0; step < kLobes; ++step) {
+        const Meeting m = meet(ray, stream);
+        sum += throughput * m.mirrored_emission;
+        if (emission_counts) sum += throughput * m.emission;
+        if (m.hit.is_miss()) break;
+        throughput *= m.throughput;
+        const Surface x(scene_, m.hit.point(), m.hit.back);
+        if (!x.scatters) break;
+        sum += throughput * x.material->diffuse * reconstruction_.total_irradiance(m.hit.point(), m.hit.back) * kInvPi;
+
+        // Follow one sample of the specular lobe; roulette ends it by its albedo.
+        if (!x.material->is_glossy()) break;
+        const LobeDraw draw = draw_lobe(x, -ray.direction, stream.next());
+        if (!(draw.pdf_w > 0)) break;
+        const float survive = std::min(1.0f, max_component(draw.scatter));
+        if (!(stream.next_one() < survive)) break;
+        throughput *= draw.scatter * (1 / survive);
+        emission_counts = true;
+        ray = {x.off(scene_.epsilon()), draw.wi};
+    }
+    return sum;
+}
+
+}  // namespace lumel

@@ -1,0 +1,164 @@
+// The scene that is rendered: triangles with their patches, materials, lamps.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lumel/math/frame.h"
+#include "lumel/sampling/distribution.h"
+#include "lumel/scene/material.h"
+#include "lumel/scene/tessellation.h"
+
+namespace lumel {
+
+using Indices = std::array<uint32_t, 3>;
+
+/// Triangles as they come from a reader. `normals` is empty or one a vertex; a zero normal shades flat.
+struct MeshInput {
+    std::span<const Vec3> vertices;
+    std::span<const Vec3> normals;
+    std::span<const Indices> triangles;
+    std::span<const uint32_t> triangle_shape;   ///< shape of each triangle
+    std::span<const uint32_t> shape_material;   ///< material of each shape
+    std::span<const Rgb> shape_emission;        ///< radiance of the front of each shape, W/(m2 sr)
+};
+
+/// A lamp without size.
+struct PointLamp {
+    Vec3 position;
+    Rgb intensity;  ///< W/sr
+};
+
+/// What was found wrong with the given triangles, which are left out of the scene.
+struct MeshReport {
+    uint64_t given = 0, nonfinite = 0, bad_index = 0, degenerate = 0, huge = 0, duplicate = 0;
+};
+
+/// A point on a triangle.
+struct SurfacePoint {
+    uint32_t triangle = 0;
+    float u = 0, v = 0;
+};
+
+/// Shape with emission, a unit of lamp sampling.
+struct AreaLamp {
+    uint32_t shape = 0;
+    Rgb radiance;
+    float area = 0;                   ///< m2
+    Vec3 centre;                      ///< mean of the triangles' centroids by area
+    Vec3 normal;                      ///< mean normal by area: its length tells how flat the lamp is
+    float radius = 0;                 ///< all of the lamp is within this distance of the centre
+    std::vector<uint32_t> triangles;
+    Distribution by_area;             ///< over `triangles`
+};
+
+/// One **side** is one face of a patch: index patch for the front, patch + patches() for the back.
+class Scene {
+public:
+    /// Take the triangles, leave out broken ones, and divide the rest into about `patches` patches.
+    Scene(const MeshInput& input, std::vector<Material> materials, std::vector<PointLamp> point_lamps, uint64_t patches);
+
+    // Triangles
+    uint32_t triangles() const { return static_cast<uint32_t>(indices_.size()); }
+    const std::vector<Vec3>& vertices() const { return vertices_; }
+    const std::vector<Indices>& indices() const { return indices_; }
+    uint32_t shape(uint32_t triangle) const { return shape_[triangle]; }
+    uint32_t shapes() const { return static_cast<uint32_t>(shape_material_.size()); }
+    const Material& material(uint32_t triangle) const { return materials_[shape_material_[shape_[triangle]]]; }
+    uint32_t material_index(uint32_t triangle) const { return shape_material_[shape_[triangle]]; }
+    const std::vector<Material>& materials() const { return materials_; }
+    Rgb emission(uint32_t triangle) const { return shape_emission_[shape_[triangle]]; }
+    Vec3 geometric_normal(uint32_t triangle) const { return normal_[triangle]; }
+    float triangle_area(uint32_t triangle) const { return area_[triangle]; }
+    uint32_t divisions(uint32_t triangle) const { return divisions_[triangle]; }
+    bool is_smooth(uint32_t triangle) const { return smooth_[triangle]; }
+
+    Vec3 position(SurfacePoint p) const {
+        const Indices& i = indices_[p.triangle];
+        return vertices_[i[0]] * (1 - p.u - p.v) + vertices_[i[1]] * p.u + vertices_[i[2]] * p.v;
+    }
+    /// Interpolated normal on the front side; the geometric one on flat triangles.
+    Vec3 shading_normal(SurfacePoint p) const {
+        if (!smooth_[p.triangle]) return normal_[p.triangle];
+        const Indices& i = indices_[p.triangle];
+        return normalize(normals_[i[0]] * (1 - p.u - p.v) + normals_[i[1]] * p.u + normals_[i[2]] * p.v);
+    }
+
+    // Patches and sides
+    uint32_t patches() const { return static_cast<uint32_t>(patch_triangle_.size()); }
+    uint32_t sides() const { return 2 * patches(); }
+    uint32_t first_patch(uint32_t triangle) const { return first_patch_[triangle]; }
+    uint32_t patch_of(SurfacePoint p) const {
+        const uint32_t n = divisions_[p.triangle];
+        return first_patch_[p.triangle] + (n == 1 ? 0 : PatchPlace::of_point(n, p.u, p.v).index(n));
+    }
+    uint32_t side_of(SurfacePoint p, bool back) const { return patch_of(p) + (back ? patches() : 0); }
+    bool is_back(uint32_t side) const { return side >= patches(); }
+    uint32_t patch_of_side(uint32_t side) const { return is_back(side) ? side - patches() : side; }
+    uint32_t triangle_of_side(uint32_t side) const { return patch_triangle_[patch_of_side(side)]; }
+    uint32_t triangle_of_patch(uint32_t patch) const { return patch_triangle_[patch]; }
+    PatchPlace place(uint32_t patch) const {
+        const uint32_t triangle = patch_triangle_[patch];
+        return PatchPlace::of_index(divisions_[triangle], patch - first_patch_[triangle]);
+    }
+    float patch_area(uint32_t patch) const {
+        const uint32_t triangle = patch_triangle_[patch];
+        return area_[triangle] / static_cast<float>(divisions_[triangle] * divisions_[triangle]);
+    }
+    float side_area(uint32_t side) const { return patch_area(patch_of_side(side)); }
+    /// Does this side scatter light? The back of a one-sided surface is black.
+    bool scatters(uint32_t side) const { return !is_back(side) || material(triangle_of_side(side)).two_sided; }
+    SurfacePoint point_on_patch(uint32_t patch, Square barycentric) const;
+    /// The sides of glossy patches are numbered without gaps as well, for what only they need; kNone for others.
+    static constexpr uint32_t kNone = 0xffffffffu;
+    uint32_t glossy_sides() const { return 2 * glossy_patches_; }
+    uint32_t glossy_index(uint32_t side) const {
+        const uint32_t patch = patch_of_side(side), triangle = patch_triangle_[patch], first = first_glossy_[triangle];
+        if (first == kNone || !scatters(side)) return kNone;
+        return first + (patch - first_patch_[triangle]) + (is_back(side) ? glossy_patches_ : 0);
+    }
+    SurfacePoint centre_of_patch(uint32_t patch) const { return point_on_patch(patch, {1.0f / 3, 1.0f / 3}); }
+
+    // Lamps
+    const std::vector<AreaLamp>& area_lamps() const { return area_lamps_; }
+    const std::vector<PointLamp>& point_lamps() const { return point_lamps_; }
+    /// Lamp of a triangle, or -1.
+    int lamp_of(uint32_t triangle) const { return shape_lamp_[shape_[triangle]]; }
+
+    // The whole
+    Vec3 centre() const { return 0.5f * (lower_ + upper_); }
+    float radius() const { return 0.5f * length(upper_ - lower_); }
+    /// Distance that keeps a ray off the surface that it starts from, m.
+    float epsilon() const { return epsilon_; }
+    bool has_mirrors() const { return has_mirrors_; }
+    const MeshReport& report() const { return report_; }
+    double total_area() const { return total_area_; }
+
+private:
+    void take_triangles(const MeshInput& input);
+    void order_along_curve();
+    void divide(uint64_t patches);
+    void find_lamps();
+
+    std::vector<Vec3> vertices_, normals_;
+    std::vector<Indices> indices_;
+    std::vector<uint32_t> shape_, shape_material_;
+    std::vector<Rgb> shape_emission_;
+    std::vector<int> shape_lamp_;
+    std::vector<Material> materials_;
+    std::vector<Vec3> normal_;
+    std::vector<float> area_;
+    std::vector<uint16_t> divisions_;
+    std::vector<uint8_t> smooth_;
+    std::vector<uint32_t> first_patch_, patch_triangle_, first_glossy_;
+    uint32_t glossy_patches_ = 0;
+    std::vector<AreaLamp> area_lamps_;
+    std::vector<PointLamp> point_lamps_;
+    MeshReport report_;
+    Vec3 lower_, upper_;
+    float epsilon_ = 0;
+    double total_area_ = 0;
+    bool has_mirrors_ = false;
+};
+
+}  // namespace lumel

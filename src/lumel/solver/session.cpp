@@ -1,0 +1,43 @@
+#include "lumel/solver/session.h"
+
+#include "lumel/sampling/hash.h"
+
+namespace lumel {
+
+namespace {
+
+enum Stream : uint64_t { kSurvey = 41, kEye };
+
+// Shares of defensive rays where none is given: what a lobe sees of the sky and of black surfaces is not covered without them.
+constexpr float kDefensiveClosed = 0.1f, kDefensiveOpen = 0.3f;
+
+std::vector<Vec3> eyes_of(const std::vector<Camera>& cameras) {
+    std::vector<Vec3> eyes;
+    for (const Camera& camera : cameras) eyes.push_back(camera.origin);
+    return eyes;
+}
+
+}  // namespace
+
+Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& config)
+    : scene_(std::move(scene)), accel_(scene_), lattice_(scene_), defensive_(survey(accel_, key(config.solver.seed, kSurvey))),
+      cameras_(std::move(cameras)), config_(config) {
+    if (config_.solver.defensive < 0) config_.solver.defensive = defensive_.open() ? kDefensiveOpen : kDefensiveClosed;
+    solver_.emplace(accel_, defensive_, config_.solver,
+                    PatchAreas(scene_, eyes_of(cameras_), visible_glossy_sides(accel_, lattice_, cameras_)));
+}
+
+void Session::reconstruct() {
+    const SideField indirect = solver_->indirect(), direct = solver_->direct();
+    reconstruction_.emplace(scene_, lattice_, Solution{indirect, direct, solver_->areas()}, *config_.estimator);
+    films_.clear();
+    for (const Camera& camera : cameras_) films_.emplace_back(camera.width, camera.height);
+}
+
+bool Session::eye_pass(uint32_t camera, uint32_t samples) {
+    Film& film = films_[camera];
+    const EyePassConfig pass{samples, config_.solver.first_shot, key(config_.solver.seed, kEye, camera, film.passes)};
+    return lumel::eye_pass(accel_, cameras_[camera], camera, *reconstruction_, pass, &stop_, film);
+}
+
+}  // namespace lumel

@@ -1,0 +1,52 @@
+// Everything that a render holds: the scene made ready, the solver, and a film for every camera.
+#pragma once
+
+#include <atomic>
+#include <optional>
+
+#include "lumel/eye/eye_pass.h"
+#include "lumel/solver/solver.h"
+
+namespace lumel {
+
+struct SessionConfig {
+    SolverConfig solver;
+    const Estimator* estimator = find_estimator("weighted");
+};
+
+class Session {
+public:
+    Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& config);
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    const Scene& scene() const { return scene_; }
+    const Accel& accel() const { return accel_; }
+    const Lattice& lattice() const { return lattice_; }
+    const DefensiveStarts& defensive() const { return defensive_; }
+    const std::vector<Camera>& cameras() const { return cameras_; }
+    Solver& solver() { return *solver_; }
+
+    /// Make the fields for eye passes from the replicas closed so far, and start the films anew.
+    void reconstruct();
+    const Reconstruction& reconstruction() const { return *reconstruction_; }
+    /// Add one pass of `samples` per pixel to the film of a camera; false if it was stopped. `reconstruct` must have been called.
+    bool eye_pass(uint32_t camera, uint32_t samples);
+    const Film& film(uint32_t camera) const { return films_[camera]; }
+    /// Ask an eye pass that runs on another thread to stop.
+    void stop() { stop_ = true; }
+
+private:
+    Scene scene_;
+    Accel accel_;
+    Lattice lattice_;
+    DefensiveStarts defensive_;
+    std::vector<Camera> cameras_;
+    SessionConfig config_;
+    std::optional<Solver> solver_;
+    std::optional<Reconstruction> reconstruction_;
+    std::vector<Film> films_;
+    std::atomic<bool> stop_ = false;
+};
+
+}  // namespace lumel

@@ -1,0 +1,72 @@
+#include "lumel/solver/solver.h"
+
+#include "lumel/sampling/hash.h"
+
+namespace lumel {
+
+namespace {
+
+enum Stream : uint64_t { kFirstShot = 31, kSolve, kStep };
+
+}  // namespace
+
+Solver::Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfig config, PatchAreas areas)
+    : accel_(&accel), defensive_(&defensive), config_(config), areas_(std::move(areas)),
+      direct_(accel.scene().sides()), indirect_(accel.scene().sides()) {}
+
+void Solver::begin_replica(uint64_t solve_rays) {
+    const uint64_t replica = replicas();
+    light_ = std::make_unique<Illumination>(
+        *accel_, *defensive_, IlluminationConfig{config_.first_shot, config_.direct_samples, key(config_.seed, kFirstShot, replica)});
+    received_.assign(accel_->scene().sides(), {});
+    weight_ = density_rays_ = 0;
+    steps_ = 0;
+    frozen_.reset();
+    if (config_.transport == Transport::kRays) {
+        const auto first = static_cast<uint64_t>(static_cast<double>(solve_rays) / reflections_) + 1;
+        uint64_t rays = 0;
+        // No measuring here, so no defensive part is needed.
+        frozen_ = std::make_unique<FrozenLight>(*accel_, *defensive_, *light_, WalkConfig{first, 0.0f, key(config_.seed, kSolve, replica)}, rays);
+        reflections_ = std::clamp(static_cast<double>(rays) / static_cast<double>(first), 1.0, 100.0);
+        stats_.rays += rays;
+    }
+}
+
+void Solver::step(uint64_t rays) {
+    const uint64_t stream = key(config_.seed, kStep, replicas(), steps_++);
+    const auto weight = static_cast<double>(rays);
+    const Sink sink = [&](const Generation& generation) { absorb(generation, weight); };
+    if (config_.transport == Transport::kRays) {
+        stats_.rays += frozen_->step(*accel_, *defensive_, *light_, {rays, config_.defensive, stream}, sink);
+    } else {
+        const auto first = static_cast<uint64_t>(weight / reflections_) + 1;
+        const uint64_t shot = walk(*accel_, *defensive_, *light_, {first, config_.defensive, stream}, sink);
+        reflections_ = std::clamp(static_cast<double>(shot) / static_cast<double>(first), 1.0, 100.0);
+        stats_.rays += shot;
+    }
+    weight_ += weight;
+}
+
+void Solver::absorb(const Generation& generation, double weight) {
+    for (size_t side = 0; side < received_.size(); ++side) received_[side] += to_double(generation.received[side]) * weight;
+    areas_.measure(generation.hits, weight);
+    density_rays_ += static_cast<double>(generation.hits.rays);
+    stats_.escaped += generation.hits.escaped;
+    stats_.lost_flux += generation.hits.lost_flux * weight;
+}
+
+void Solver::end_replica() {
+    if (steps_ == 0) return;
+    const Scene& scene = accel_->scene();
+    const auto& direct = light_->direct();
+    for (uint32_t side = 0; side < scene.sides(); ++side) {
+        if (!direct.empty()) direct_.add(side, to_double(direct[side]));
+        indirect_.add(side, received_[side] * (1.0 / (weight_ * double{scene.side_area(side)})));
+    }
+    areas_.close_replica(weight_, density_rays_);
+    steps_ = 0;
+    frozen_.reset();
+    light_.reset();
+}
+
+}  // namespace lumel

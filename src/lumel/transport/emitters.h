@@ -1,0 +1,47 @@
+// What shoots in one step of a transport: diffuse flux and a few recorded directions for every side.
+#pragma once
+
+#include <vector>
+
+#include "lumel/scene/scene.h"
+
+namespace lumel {
+
+/// Light that a glossy side received from one direction and sends on through its specular lobe.
+struct Record {
+    Vec3 wi;          ///< where it came from
+    Rgb flux;         ///< W that arrived (shading cosine included)
+    float power = 0;  ///< lum of what the lobe sends on, W; 0: no record
+};
+
+/// Records of a side: the first is light straight from a lamp, the others are light from other surfaces.
+inline constexpr int kRecords = 3;
+inline constexpr int kLampRecord = 0;
+
+struct Emitters {
+    std::vector<Rgb> diffuse;        ///< per side: W sent by the Lambertian lobe (reflected, or emitted)
+    std::vector<Record> records;     ///< kRecords per glossy side
+    std::vector<Rgb> behind_mirror;  ///< per side or empty: W of lamps that counts only after a perfect mirror (the first shot has the rest)
+    bool point_lamps = false;        ///< point lamps shoot too,
+    bool point_lamps_direct = false; ///< and what they shoot counts without a mirror as well
+
+    explicit Emitters(const Scene& scene) : diffuse(scene.sides()), records(size_t{scene.glossy_sides()} * kRecords) {}
+
+    std::span<Record> records_of(const Scene& scene, uint32_t side) {
+        const uint32_t glossy = scene.glossy_index(side);
+        return glossy == Scene::kNone ? std::span<Record>{} : std::span(records).subspan(size_t{glossy} * kRecords, kRecords);
+    }
+    std::span<const Record> records_of(const Scene& scene, uint32_t side) const {
+        const uint32_t glossy = scene.glossy_index(side);
+        return glossy == Scene::kNone ? std::span<const Record>{} : std::span(records).subspan(size_t{glossy} * kRecords, kRecords);
+    }
+    /// Luminous power of all that a side sends, W: the chance that a ray starts there is proportional to it.
+    double power(const Scene& scene, uint32_t side) const {
+        double sum = lum(diffuse[side]);
+        if (!behind_mirror.empty()) sum += lum(behind_mirror[side]);
+        for (const Record& record : records_of(scene, side)) sum += record.power;
+        return sum;
+    }
+};
+
+}  // namespace lumel

@@ -1,0 +1,74 @@
+#include "lumel/transport/first_shot.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "lumel/sampling/hash.h"
+#include "lumel/scene/lamp_sampler.h"
+
+namespace lumel {
+
+namespace {
+
+/// Light from one sampled point of a lamp to one sampled point of a side.
+struct DirectSample {
+    Vec3 wi;
+    Rgb irradiance;   ///< W/m2, with the shading normal's cosine
+    float cos = 0;    ///< of wi to the shading normal
+};
+
+DirectSample sample_direct(const Accel& accel, uint32_t side, uint32_t index, uint64_t stream) {
+    const Scene& scene = accel.scene();
+    const uint64_t here = key(stream, side);
+    const SurfacePoint p = scene.point_on_patch(scene.patch_of_side(side), square_to_triangle(sobol2d(index, key(here, 1))));
+    const Surface x(scene, p, scene.is_back(side));
+    const LampSample lamp = LampView(scene, x).sample(sobol2d(index, key(here, 2)).u, sobol2d(index, key(here, 3)));
+    const float cos = dot(x.shading, lamp.wi);
+    if (!(lamp.pdf_w > 0) || !(cos > 0) || !(dot(x.normal, lamp.wi) > 0)) return {};
+    if (!accel.visible(x.off(scene.epsilon()), lamp.target)) return {};
+    return {lamp.wi, lamp.radiance * (cos / lamp.pdf_w), cos};
+}
+
+template <class Body>
+void for_each_reachable_side(const Scene& scene, const DefensiveStarts& reachable, const Body& body) {
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 512), [&](const auto& range) {
+        const FlushDenormals flush;
+        for (uint32_t side = range.begin(); side < range.end(); ++side)
+            if (reachable.by_area.size() > 0 && reachable.by_area.weight(side) > 0 && scene.scatters(side)) body(side);
+    });
+}
+
+}  // namespace
+
+std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& reachable, uint32_t samples, uint64_t stream) {
+    std::vector<Rgb> irradiance(accel.scene().sides());
+    for_each_reachable_side(accel.scene(), reachable, [&](uint32_t side) {
+        Rgb64 sum;
+        for (uint32_t i = 0; i < samples; ++i) sum += sample_direct(accel, side, i, stream).irradiance;
+        irradiance[side] = (sum * (1.0 / samples)).to_float();
+    });
+    return irradiance;
+}
+
+void record_lamps(const Accel& accel, const DefensiveStarts& reachable, uint64_t stream, Emitters& emitters) {
+    const Scene& scene = accel.scene();
+    for_each_reachable_side(scene, reachable, [&](uint32_t side) {
+        const auto records = emitters.records_of(scene, side);
+        if (records.empty()) return;
+        const DirectSample direct = sample_direct(accel, side, 0, stream);
+        const Rgb flux = direct.irradiance * scene.side_area(side);
+        records[kLampRecord] = {direct.wi, flux, lum(flux * scene.material(scene.triangle_of_side(side)).albedo_s(direct.cos))};
+    });
+}
+
+std::vector<Rgb> emitted_flux(const Scene& scene) {
+    std::vector<Rgb> flux(scene.sides());
+    for (const AreaLamp& lamp : scene.area_lamps())
+        for (uint32_t triangle : lamp.triangles) {
+            const uint32_t n = scene.divisions(triangle), first = scene.first_patch(triangle);
+            for (uint32_t patch = first; patch < first + n * n; ++patch) flux[patch] = lamp.radiance * (kPi * scene.patch_area(patch));
+        }
+    return flux;
+}
+
+}  // namespace lumel

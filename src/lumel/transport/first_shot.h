@@ -1,0 +1,18 @@
+// The first shot: replace the lamps by the light that they send to the surfaces directly, so that small bright lamps make no noise.
+#pragma once
+
+#include "lumel/transport/defensive.h"
+#include "lumel/transport/emitters.h"
+
+namespace lumel {
+
+/// Direct irradiance of every side that light can reach, W/m2 (per side, RGB), from `samples` points with one shadow ray each.
+std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& reachable, uint32_t samples, uint64_t stream);
+
+/// Draw anew, for every glossy side, one direction to a lamp with the light that comes from there; the other records stay.
+void record_lamps(const Accel& accel, const DefensiveStarts& reachable, uint64_t stream, Emitters& emitters);
+
+/// Flux that the lamps emit from each side, W. Point lamps are not on it.
+std::vector<Rgb> emitted_flux(const Scene& scene);
+
+}  // namespace lumel

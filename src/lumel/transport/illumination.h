@@ -1,0 +1,56 @@
+// Light as it enters a transport: either replaced by its first reflection, or as the lamps themselves.
+#pragma once
+
+#include "lumel/transport/first_shot.h"
+
+namespace lumel {
+
+struct IlluminationConfig {
+    bool first_shot = true;         ///< replace the lamps by their first reflection
+    uint32_t direct_samples = 4;    ///< shadow rays a side for it
+    uint64_t stream = 0;            ///< key of the random numbers
+};
+
+/// What the lamps give to one replica of a transport.
+class Illumination {
+public:
+    Illumination(const Accel& accel, const DefensiveStarts& reachable, const IlluminationConfig& config)
+        : accel_(&accel), reachable_(&reachable), config_(config) {
+        if (config.first_shot) direct_ = direct_irradiance(accel, reachable, config.direct_samples, config.stream);
+    }
+
+    /// Irradiance straight from the lamps, W/m2 per side; empty without the first shot.
+    const std::vector<Rgb>& direct() const { return direct_; }
+
+    /// Emitters that send the lamps' light: what surfaces reflect of it, or with no first shot what the lamps emit.
+    Emitters emitters(uint64_t stream) const {
+        const Scene& scene = accel_->scene();
+        Emitters e(scene);
+        if (!config_.first_shot) {
+            e.diffuse = emitted_flux(scene);
+        } else {
+            for (uint32_t side = 0; side < scene.sides(); ++side)
+                e.diffuse[side] = direct_[side] * scene.material(scene.triangle_of_side(side)).diffuse * scene.side_area(side);
+        }
+        refresh(stream, e);
+        return e;
+    }
+
+    /// Draw anew what comes straight from the lamps and is not diffuse: lamps seen in gloss, and lamps seen over mirrors.
+    void refresh(uint64_t stream, Emitters& e) const {
+        const Scene& scene = accel_->scene();
+        e.point_lamps_direct = !config_.first_shot;
+        e.point_lamps = !scene.point_lamps().empty() && (!config_.first_shot || scene.has_mirrors());
+        if (!config_.first_shot) return;
+        record_lamps(*accel_, *reachable_, stream, e);
+        if (scene.has_mirrors() && e.behind_mirror.empty()) e.behind_mirror = emitted_flux(scene);
+    }
+
+private:
+    const Accel* accel_;
+    const DefensiveStarts* reachable_;
+    IlluminationConfig config_;
+    std::vector<Rgb> direct_;
+};
+
+}  // namespace lumel

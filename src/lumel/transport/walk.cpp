@@ -1,0 +1,58 @@
+#include "lumel/transport/walk.h"
+
+#include "lumel/sampling/hash.h"
+
+namespace lumel {
+
+namespace {
+
+enum Stream : uint64_t { kLamps = 11, kShoot, kScatter, kRoulette };
+
+double total_power(const Scene& scene, const Emitters& emitters) {
+    double power = 0;
+    for (uint32_t side = 0; side < scene.sides(); ++side) power += emitters.power(scene, side);
+    if (emitters.point_lamps)
+        for (const PointLamp& lamp : scene.point_lamps()) power += 4 * kPi * lum(lamp.intensity);
+    return power;
+}
+
+void scale(Emitters& emitters, float factor) {
+    for (Rgb& flux : emitters.diffuse) flux *= factor;
+    for (Record& record : emitters.records) record.flux *= factor, record.power *= factor;
+}
+
+}  // namespace
+
+uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, const Illumination& light, const WalkConfig& config, const Sink& sink) {
+    const Scene& scene = accel.scene();
+    const double fewest = std::max(64.0, static_cast<double>(config.rays) / 1024);
+    Emitters emitters = light.emitters(key(config.stream, kLamps)), next(scene);
+    Hits hits;
+    std::vector<Rgb> received;
+    uint64_t shot = 0;
+    double first_power = 0;
+
+    for (uint64_t generation = 0;; ++generation) {
+        // Spend rays in proportion to the power that is left; below a minimum, roulette decides on the whole generation.
+        const double power = total_power(scene, emitters);
+        if (!(power > 0)) return shot;
+        if (generation == 0) first_power = power;
+        double rays = static_cast<double>(config.rays) * power / first_power;
+        if (rays < fewest) {
+            const double survive = rays / fewest;
+            if (to_unit(static_cast<uint32_t>(key(config.stream, kRoulette, generation) >> 32)) >= survive) return shot;
+            scale(emitters, static_cast<float>(1 / survive));
+            rays = fewest;
+        }
+        const auto count = static_cast<uint64_t>(rays);
+        shoot(accel, emitters, defensive, {count, config.defensive, key(config.stream, kShoot, generation)}, hits);
+        scatter(scene, hits, key(config.stream, kScatter, generation), received, next);
+        shot += hits.arrivals.size();
+        sink({hits, received, next});
+        std::swap(emitters, next);
+        next.behind_mirror.clear();
+        next.point_lamps = false;
+    }
+}
+
+}  // namespace lumel

@@ -1,0 +1,31 @@
+// Transport `walk`: random walks from the lights, one generation at a time.
+#pragma once
+
+#include <functional>
+
+#include "lumel/transport/illumination.h"
+#include "lumel/transport/scatter.h"
+#include "lumel/transport/shoot.h"
+
+namespace lumel {
+
+struct WalkConfig {
+    uint64_t rays = 1 << 20;   ///< of the first generation; later ones get as many as power is left
+    float defensive = 0.1f;    ///< share of defensive rays
+    uint64_t stream = 0;       ///< key of the random numbers
+};
+
+/// What one step of a transport made: its arrivals, and the light that every side received in it, W.
+struct Generation {
+    const Hits& hits;
+    const std::vector<Rgb>& received;
+    const Emitters& next;  ///< what of it is sent on
+};
+using Sink = std::function<void(const Generation&)>;
+
+/// Walk until roulette ends it. Every generation is shot from the patches that the last one reached (the points drawn anew on
+/// them), so its density is exact given the state before. Hands each generation to `sink`; returns the rays shot.
+/// The mean over streams has no bias but that of patches.
+uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, const Illumination& light, const WalkConfig& config, const Sink& sink);
+
+}  // namespace lumel
