@@ -11,11 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ..errors import nearest
 from ..scene import BLACK, Material, Rgb
 from .findings import Findings
 from .fresnel import base_albedo, largest_albedo
-from .plugins import Plugin
+from .plugins import Plugin, is_supported
 from .references import References
 from .tree import Node
 
@@ -80,8 +79,7 @@ class BsdfReader:
         return self._done[id(node)]
 
     def _read(self, node: Node, label: str) -> Reflection:
-        if node.type not in _BSDFS:
-            self._findings.unsupported(f"{label}: bsdf '{node.type}' is not supported; {nearest(node.type, _BSDFS)}", node)
+        if not is_supported(node, _BSDFS, self._findings, label):
             return DEFAULT
         plugin = Plugin(node, self._findings, label)
         reflection = _BSDFS[node.type](self, plugin)

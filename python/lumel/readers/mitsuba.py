@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from ..errors import nearest
+from ..errors import Problem, SceneError, nearest
 from ..scene import Camera, Material, Mesh, PointLight, Scene
 from .bsdfs import DEFAULT, BsdfReader, Reflection, to_material
 from .defaults import framed_camera
 from .findings import Findings
-from .plugins import VALUE_TAGS, Plugin, check_attributes
+from .plugins import Plugin, check_attributes, is_supported
 from .references import References
 from .sensors import read_sensor
 from .shapes import ShapeReader
@@ -35,6 +35,8 @@ def read_mitsuba(path: Path, defines: Mapping[str, str], lenient: bool) -> Scene
         findings.wrong(f"the outermost element is <{root.tag}>, not <scene>", root)
     notes = findings.conclude(lenient)
     assert scene is not None  # else there is a problem, and conclude has raised
+    if not scene.meshes:
+        raise SceneError(Problem("the scene is empty: none of its shapes is supported", str(path), 1))
     return replace(scene, notes=notes)
 
 
@@ -62,13 +64,11 @@ class _SceneReader:
         for node in self._root.children:
             if node.tag in readers:
                 readers[node.tag](node)
-            elif node.tag in VALUE_TAGS or node.tag not in _HARMLESS:
+            elif node.tag not in _HARMLESS:
                 kind = f"{node.tag} '{node.type}'" if node.type else f"<{node.tag}>"
                 self._findings.unsupported(f"{kind} is not supported; {nearest(node.tag, [*readers, *_HARMLESS])}", node)
         if not any(node.tag == "shape" for node in self._root.children):
             self._findings.wrong("the scene is empty: it has no shapes", self._root)
-        elif not self._meshes and not len(self._findings):
-            self._findings.wrong("the scene is empty: none of its shapes can be read", self._root)
         if not self._cameras and self._meshes:
             self._cameras.append(framed_camera(self._meshes))
             self._findings.note("the scene has no camera; one that shows all of it is framed")
@@ -113,11 +113,7 @@ class _SceneReader:
         self._bsdfs.read(node, f"bsdf {node.type}")
 
     def _emitter(self, node: Node) -> None:
-        if node.type != "point":
-            if node.type:
-                self._findings.unsupported(f"emitter '{node.type}' is not supported; allowed: area (in a shape), point", node)
-            else:
-                check_attributes(node, self._findings)
+        if not is_supported(node, ("point",), self._findings):
             return
         plugin = Plugin(node, self._findings, f"point emitter '{node.id}'" if node.id else "point emitter")
         intensity = plugin.colour("intensity", (1.0, 1.0, 1.0), light=True)

@@ -52,7 +52,7 @@ class Plugin:
         self.label = label
         self.findings = findings
         self._left = {id(child): child for child in node.children}
-        self._asked: list[str] = []
+        self._asked: set[str] = set()
         self._named: dict[str, Node] = {}
         check_attributes(node, findings)
         for child in node.children:
@@ -70,6 +70,7 @@ class Plugin:
 
     def has(self, name: str) -> bool:
         """Whether the property is there."""
+        self._asked.add(name)
         return name in self._named
 
     def is_text(self, name: str) -> bool:
@@ -151,7 +152,7 @@ class Plugin:
             made = self._parse(step, STEPS[step.tag])
             result = result if made is None else made @ result
         if len(self.findings) == before and is_singular(result):
-            self.findings.wrong(f"{self.label}: '{name}' is singular: it flattens space", node)
+            self.findings.wrong(f"{self.label}: '{name}' is singular: it flattens space, or scales it by more than 1e30", node)
         return np.eye(4) if is_singular(result) else result
 
     def children(self, *tags: str) -> list[Node]:
@@ -177,7 +178,7 @@ class Plugin:
                 self.findings.unsupported(f"{self.label}: {kind} is not supported here", child)
 
     def _take(self, name: str, tags: tuple[str, ...]) -> Node | None:
-        self._asked.append(name)
+        self._asked.add(name)
         node = self._named.get(name)
         if node is None or self._left.pop(id(node), None) is None:
             return None
@@ -211,6 +212,18 @@ class Plugin:
         allowed = f"at least {low:g}" if high >= 1e30 else f"{low:g} to {high:g}"
         self.findings.wrong(f"{self.label}: '{node.name}' is {node.value.strip()[:60]}, allowed: {allowed}", node)
         return False
+
+
+def is_supported(node: Node, allowed: Iterable[str], findings: Findings, label: str = "") -> bool:
+    """Whether the plugin `node` is one of those that are read; if not, that is reported. `label` names what it is part of."""
+    if node.type in allowed:
+        return True
+    if node.type:
+        part = f"{label}: " if label else ""
+        findings.unsupported(f"{part}{node.tag} '{node.type}' is not supported; {nearest(node.type, allowed)}", node)
+    else:
+        check_attributes(node, findings)
+    return False
 
 
 def _parse_colour(node: Node) -> Rgb:

@@ -7,10 +7,9 @@ from typing import cast, get_args
 
 import numpy as np
 
-from ..errors import nearest
 from ..scene import Camera, FovAxis
 from .findings import Findings
-from .plugins import Plugin, check_attributes
+from .plugins import Plugin, check_attributes, is_supported
 from .transforms import Matrix
 from .tree import Node
 from .values import number
@@ -22,9 +21,7 @@ _FOV_AXES: tuple[FovAxis, ...] = get_args(FovAxis)
 
 def read_sensor(node: Node, name: str, findings: Findings) -> Camera | None:
     """The camera; None after a problem that leaves none, which is reported."""
-    if node.type != "perspective":
-        if node.type:
-            findings.unsupported(f"sensor '{node.type}' is not supported; allowed: perspective", node)
+    if not is_supported(node, ("perspective",), findings):
         return None
     plugin = Plugin(node, findings, f"sensor '{name}'")
     to_world = _placed(plugin)
@@ -83,8 +80,7 @@ def _film(sensor: Plugin) -> tuple[int, int]:
     for extra in films[1:]:
         sensor.findings.wrong(f"{sensor.label}: has more than one film", extra)
     node = films[0]
-    if node.type and node.type != "hdrfilm":
-        sensor.findings.unsupported(f"{sensor.label}: film '{node.type}' is not supported; {nearest(node.type, ['hdrfilm'])}", node)
+    is_supported(node, ("hdrfilm",), sensor.findings, sensor.label)
     film = Plugin(node, sensor.findings, f"film of {sensor.label}")
     width = film.integer("width", 768, 1, _LARGEST_FILM)
     height = film.integer("height", 576, 1, _LARGEST_FILM)

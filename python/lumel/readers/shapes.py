@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import SceneError, nearest
+from ..errors import SceneError
 from ..scene import BLACK, Mesh, Rgb
 from . import primitives
 from .bsdfs import DEFAULT, BsdfReader, Reflection
 from .findings import Findings
 from .meshes import read_mesh
-from .plugins import Plugin
+from .plugins import Plugin, is_supported
 from .references import References
 from .surface import Surface
 from .tree import Node
@@ -41,9 +41,7 @@ class ShapeReader:
         The mesh is None after a problem, which is reported.
         """
         label = f"shape '{name}'" if node.id else f"shape {node.type}"
-        if node.type not in _SHAPES:
-            if node.type:
-                self._findings.unsupported(f"shape '{node.type}' is not supported; {nearest(node.type, _SHAPES)}", node)
+        if not is_supported(node, _SHAPES, self._findings):
             return None, None, DEFAULT
         plugin = Plugin(node, self._findings, label)
         surface = _SHAPES[node.type](self, plugin)
@@ -74,8 +72,7 @@ class ShapeReader:
         if not nodes:
             return BLACK
         node = nodes[0]
-        if node.type != "area":
-            self._findings.unsupported(f"{plugin.label}: emitter '{node.type}' is not supported in a shape; allowed: area", node)
+        if not is_supported(node, ("area",), self._findings, plugin.label):
             return BLACK
         emitter = Plugin(node, self._findings, f"area emitter of {plugin.label}")
         radiance = emitter.colour("radiance", (1.0, 1.0, 1.0), light=True)

@@ -87,9 +87,11 @@ STEPS: dict[str, Callable[[Node], Matrix]] = {
 
 
 def is_singular(matrix: Matrix) -> bool:
-    """Whether the matrix flattens space, or holds numbers too large to invert."""
+    """Whether the matrix flattens space, or scales it beyond the range of numbers."""
     linear = matrix[:3, :3]
+    if not np.all(np.isfinite(matrix)):
+        return True
     lengths = np.linalg.norm(linear, axis=0)
-    if not np.all(np.isfinite(matrix)) or not np.all(lengths > 0):
+    if not np.all((lengths >= 1e-30) & (lengths <= 1e30)):
         return True
     return bool(abs(np.linalg.det(linear / lengths)) < 1e-9)

@@ -23,20 +23,21 @@ class UnsupportedError(ValueError):
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _LARGEST = 1e30  # what a float32 holds, with room for a product with a size in metres
+_SMALLEST = 1e-30
 
 # A constant spectrum seen as linear Rec.709 RGB: equal energy at all wavelengths is not the white of that space.
 EQUAL_ENERGY: Rgb = (1.20479398, 0.948291, 0.90891603)
 
 
 def number(text: str) -> float:
-    """A finite number."""
+    """A finite number; those too small for a float32 are 0."""
     text = text.strip()
     if not _NUMBER.fullmatch(text):
         raise ValueError(f"'{text[:40]}' is not a finite number")
     value = float(text)
     if abs(value) > _LARGEST:
         raise ValueError(f"{text[:40]} is out of range, at most {_LARGEST:g} is allowed")
-    return value
+    return value if abs(value) >= _SMALLEST else 0.0
 
 
 def numbers(text: str) -> list[float]:

@@ -100,14 +100,16 @@ class _TreeReader:
             return []
         if node.tag == "include":
             return self._include(node)
-        texts = [element.text, *(child.tail for child in element)]
-        stray = " ".join(text.strip() for text in texts if text and text.strip())
-        if stray:
-            self._findings.wrong(f"text {stray[:40]!r} inside <{node.tag}>: values belong in attributes", node)
+        self._refuse_text(element.text, element, node)
         for child in element:
-            if isinstance(child.tag, str):
-                node.children.extend(self._convert(child, file, depth + 1))
+            self._refuse_text(child.tail, child, node)
+            node.children.extend(self._convert(child, file, depth + 1))
         return [node]
+
+    def _refuse_text(self, text: str | None, before: etree._Element, parent: Node) -> None:
+        if text and text.strip():
+            place = Node("", {}, parent.file, before.sourceline or parent.line)
+            self._findings.wrong(f"text {text.strip()[:40]!r} inside <{parent.tag}>: values belong in attributes", place)
 
     def _set_default(self, node: Node) -> None:
         name = node.name
