@@ -55,7 +55,7 @@ _HOMES = {
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 
-def __getattr__(name: str) -> Any:
+def _find(name: str) -> Any:
     """Import a public name from its home on first use and keep it (PEP 562)."""
     value: Any
     if name == "__version__":
@@ -68,6 +68,10 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value
     return value
+
+
+if not TYPE_CHECKING:  # type checkers know the names from above, and report all others
+    __getattr__ = _find
 
 
 def __dir__() -> list[str]:

@@ -78,26 +78,29 @@ def test_no_file_is_long() -> None:
     assert not {name: lines for name, lines in lengths.items() if lines > LONGEST}
 
 
-def third_party_imports() -> set[str]:
-    """Top-level names of all modules, neither lumel's nor Python's own, that the package imports."""
+def third_party_imports(folder: Path) -> set[str]:
+    """Top-level names of all modules, neither ours nor Python's own, that the Python files under `folder` import."""
     names: set[str] = set()
-    for path in PACKAGE.rglob("*.py"):
+    ours = {"lumel"} | {path.stem for part in (folder, ROOT / "tools") for path in part.glob("*.py")}
+    for path in folder.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Import):
                 names |= {alias.name.split(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
                 names.add(node.module.split(".")[0])
-    return names - sys.stdlib_module_names - {"lumel"}
+    return names - sys.stdlib_module_names - ours
 
 
-def test_every_import_is_declared() -> None:
+@pytest.mark.parametrize("folder", ["python/lumel", "tests/python", "examples"])
+def test_every_import_is_declared(folder: str) -> None:
     def plain(name: str) -> str:
         return re.sub(r"[-_.]+", "-", re.split(r"[<>=\[; ]", name)[0]).lower()
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    declared = {plain(requirement) for requirement in project["dependencies"]}
+    requirements = project["dependencies"] + (project["optional-dependencies"]["dev"] if folder.startswith("tests") else [])
+    declared = {plain(requirement) for requirement in requirements}
     homes = importlib.metadata.packages_distributions()
-    undeclared = {name for name in third_party_imports() if not declared & {plain(home) for home in homes.get(name, [name])}}
+    undeclared = {name for name in third_party_imports(ROOT / folder) if not declared & {plain(home) for home in homes.get(name, [name])}}
     assert not undeclared
 
 
@@ -117,7 +120,7 @@ def test_public_names_exist(name: str) -> None:
 
 def test_unknown_names_raise() -> None:
     with pytest.raises(AttributeError, match="no attribute 'rendr'"):
-        _ = lumel.rendr
+        _ = lumel.rendr  # type: ignore[attr-defined]
 
 
 def test_render_is_the_function_whatever_was_imported_before() -> None:
