@@ -70,6 +70,15 @@ def test_names_are_ids_or_places(reader: Reader) -> None:
     assert scene.source == str(reader.folder / "scene.xml")
 
 
+def test_made_up_names_avoid_ids(reader: Reader) -> None:
+    camera = '<sensor type="perspective"/>'
+    scene = reader.scene(f'<shape type="cube" id="cube@line 2"/><shape type="cube"/><bsdf type="diffuse" id="default"/>{camera}')
+    assert [mesh.name for mesh in scene.meshes] == ["cube@line 2", "cube@line 2 (2)"]
+    assert {mesh.material for mesh in scene.meshes} == {"default (2)"}
+    scene = reader.scene(SHAPE + '<sensor type="perspective" id="camera2"/>' + camera)
+    assert [camera.name for camera in scene.cameras] == ["camera2", "camera2 (2)"]
+
+
 def test_what_says_how_to_render_is_silent(reader: Reader) -> None:
     scene = reader.scene(
         '<integrator type="path"><integer name="max_depth" value="3"/></integrator><sampler type="independent"/>'
@@ -249,6 +258,7 @@ def test_all_problems_at_once(reader: Reader) -> None:
         ('<shape type="cube"><emitter type="spot"/></shape>', "emitter 'spot' is not supported; allowed: area"),
         ('<shape type="cube"><emitter type="area"/><emitter type="area"/></shape>', "more than one emitter"),
         ('<shape type="cube"><transform name="to_world"><scale value="1 0 1"/></transform></shape>', "singular"),
+        ('<shape type="sphere"><point name="center" value="1e30 0 0"/></shape>', "beyond 1e+30 m"),
         ('<shape type="cube"><transform name="to_world"><rotate x="1"/></transform></shape>', "lacks the attribute 'angle'"),
         ('<shape type="cube"><transform name="to_world"><rotate angle="3"/></transform></shape>', "axis of length 0"),
         ('<shape type="cube"><transform name="to_world"><spin angle="3"/></transform></shape>', "<spin> in a transform"),
@@ -257,8 +267,14 @@ def test_all_problems_at_once(reader: Reader) -> None:
             '<shape type="cube"><transform name="to_world"><lookat origin="0 0 0" target="0 1 0" up="0 1 0"/></transform></shape>',
             "look_at needs",
         ),
-        ('<shape type="cube"><transform name="to_world"><scale value="1e25"/><scale value="1e25"/></transform></shape>', "more than 1e30"),
-        ('<shape type="cube"><transform name="to_world"><translate x="1e30"/><translate x="1e30"/></transform></shape>', "beyond 1e+30 m"),
+        (
+            '<shape type="cube"><transform name="to_world"><scale value="1e25"/><scale value="1e25"/></transform></shape>',
+            "goes beyond 1e30",
+        ),
+        (
+            '<shape type="cube"><transform name="to_world"><translate x="1e30"/><translate x="1e30"/></transform></shape>',
+            "goes beyond 1e30",
+        ),
         ('<shape type="cylinder"><point name="p1" value="0 0 0"/></shape>', "are the same point"),
         ('<shape type="cube" colour="red"/>', "attribute 'colour' is not supported"),
         ("<shape/>" + SHAPE, "<shape> lacks the attribute 'type'"),

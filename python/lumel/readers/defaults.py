@@ -26,8 +26,9 @@ def framed_camera(meshes: Sequence[Mesh], up: Rgb = _Y_UP) -> Camera:
     radius = _radius(low, high)
     side, front = _horizontal(up)
     view = unit_sum((side, 0.45), (front, 1.0), (np.array(up), 0.35))
-    eye = centre + view * radius / np.sin(np.radians(_FOV / 2))
-    return Camera("default", look_at(_rgb(eye), _rgb(centre), up), _FOV, "smaller", _WIDTH, _HEIGHT)
+    to_world = look_at(_rgb(view), (0.0, 0.0, 0.0), up)
+    to_world[:3, 3] = centre + view * radius / np.sin(np.radians(_FOV / 2))
+    return Camera("default", to_world, _FOV, "smaller", _WIDTH, _HEIGHT)
 
 
 def studio(meshes: Sequence[Mesh], up: Rgb = _Y_UP) -> tuple[tuple[Mesh, ...], dict[str, Material]]:

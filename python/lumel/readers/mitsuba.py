@@ -50,7 +50,7 @@ class _SceneReader:
         spheres = sum(node.tag == "shape" and node.type == "sphere" for node in root.children)
         self._shapes = ShapeReader(references, self._bsdfs, findings, spheres)
         self._lines: dict[str, int] = {}
-        self._names: dict[str, int] = {}
+        self._names = references.names()
         self._names_by_node: dict[int, str] = {}
         self._materials: dict[str, Material] = {}
         self._meshes: list[Mesh] = []
@@ -82,15 +82,21 @@ class _SceneReader:
         if version.split(".")[0] not in ("2", "3"):
             self._findings.wrong(f"scene version '{version[:40]}' is not supported; allowed: 3.x.x, 2.x.x", self._root)
 
-    def _name(self, node: Node, kind: str = "") -> str:
-        """The element's id, or one made of its kind and line, that no other has."""
-        base = node.id or f"{kind or node.type}@line {node.line}"
-        if not node.id and node.file != self._source:
-            base = f"{kind or node.type}@{node.file} line {node.line}"
-        self._names[base] = self._names.get(base, 0) + 1
-        name = base if self._names[base] == 1 else f"{base} ({self._names[base]})"
-        if node.file == self._source:
+    def _name(self, node: Node) -> str:
+        """The element's id, or a name made of its type and line."""
+        file = "" if node.file == self._source else f"{node.file} "
+        name = node.id or self._unused(f"{node.type}@{file}line {node.line}")
+        if not file:
             self._lines[name] = node.line
+        return name
+
+    def _unused(self, base: str) -> str:
+        """`base`, with a number where something has that name already."""
+        name, count = base, 1
+        while name in self._names:
+            count += 1
+            name = f"{base} ({count})"
+        self._names.add(name)
         return name
 
     def _shape(self, node: Node) -> None:
@@ -103,7 +109,7 @@ class _SceneReader:
         """The name of the material that stands for `bsdf`, which is made on first use."""
         key = id(bsdf)
         if key not in self._names_by_node:
-            name = self._name(bsdf) if bsdf else "default"
+            name = self._name(bsdf) if bsdf else self._unused("default")
             self._names_by_node[key] = name
             self._materials[name] = to_material(name, reflection if bsdf else DEFAULT)
         return self._names_by_node[key]
@@ -127,7 +133,7 @@ class _SceneReader:
         self._lights.append(PointLight(self._name(node), position, intensity))
 
     def _sensor(self, node: Node) -> None:
-        name = node.id or f"camera{len(self._cameras) + 1}"
+        name = node.id or self._unused(f"camera{len(self._cameras) + 1}")
         camera = read_sensor(node, name, self._findings)
         if camera is not None:
             self._cameras.append(camera)

@@ -11,7 +11,7 @@ from ..errors import nearest
 from ..scene import Rgb
 from . import values
 from .findings import Findings
-from .transforms import STEPS, Matrix, is_singular
+from .transforms import STEPS, Matrix, is_usable
 from .tree import Node
 
 _T = TypeVar("_T")
@@ -151,9 +151,11 @@ class Plugin:
             check_attributes(step, self.findings)
             made = self._parse(step, STEPS[step.tag])
             result = result if made is None else made @ result
-        if len(self.findings) == before and is_singular(result):
-            self.findings.wrong(f"{self.label}: '{name}' is singular: it flattens space, or scales it by more than 1e30", node)
-        return np.eye(4) if is_singular(result) else result
+        if is_usable(result):
+            return result
+        if len(self.findings) == before:
+            self.findings.wrong(f"{self.label}: '{name}' is singular (it flattens space) or goes beyond 1e30", node)
+        return np.eye(4)
 
     def children(self, *tags: str) -> list[Node]:
         """The nested elements with these tags."""

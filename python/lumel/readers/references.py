@@ -23,6 +23,10 @@ class References:
         for child in node.children:
             self._collect(child)
 
+    def names(self) -> set[str]:
+        """All ids."""
+        return set(self._by_id)
+
     def resolve(self, node: Node, tag: str) -> Node | None:
         """The element that a `<ref>` means, or `node` itself where it is none; None (and reported) where there is no such `tag`."""
         if node.tag != "ref":

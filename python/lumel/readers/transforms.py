@@ -86,12 +86,10 @@ STEPS: dict[str, Callable[[Node], Matrix]] = {
 }
 
 
-def is_singular(matrix: Matrix) -> bool:
-    """Whether the matrix flattens space, or scales it beyond the range of numbers."""
+def is_usable(matrix: Matrix) -> bool:
+    """Whether the matrix can be inverted, and keeps space within the range of numbers."""
     linear = matrix[:3, :3]
-    if not np.all(np.isfinite(matrix)):
-        return True
+    if not np.abs(matrix).max() <= 1e30:
+        return False
     lengths = np.linalg.norm(linear, axis=0)
-    if not np.all((lengths >= 1e-30) & (lengths <= 1e30)):
-        return True
-    return bool(abs(np.linalg.det(linear / lengths)) < 1e-9)
+    return bool(lengths.min() >= 1e-30) and bool(abs(np.linalg.det(linear / lengths)) >= 1e-9)
