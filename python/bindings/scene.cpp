@@ -44,9 +44,9 @@ Camera make_camera(Triple origin, Triple right, Triple up, Triple forward, float
     return {vec(origin), vec(right), vec(up), vec(forward), tan_x, tan_y, width, height};
 }
 
-nb::dict report(const Scene& scene) {
+nb::typed<nb::dict, nb::str, nb::int_> report(const Scene& scene) {
     const MeshReport& r = scene.report();
-    nb::dict d;
+    nb::typed<nb::dict, nb::str, nb::int_> d;
     d["given"] = r.given, d["nonfinite"] = r.nonfinite, d["bad_index"] = r.bad_index;
     d["degenerate"] = r.degenerate, d["huge"] = r.huge, d["duplicate"] = r.duplicate;
     return d;

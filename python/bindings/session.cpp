@@ -18,7 +18,7 @@ public:
                  float defensive, bool first_shot, uint32_t direct_samples, uint64_t seed, int threads)
         : limit_(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)), arena_(threads) {
         SessionConfig config;
-        config.solver = {transport == "walk" ? Transport::kWalk : Transport::kRays, defensive, first_shot, direct_samples, seed};
+        config.solver = {transport == "walk" ? Transport::kWalk : Transport::kRays, defensive, first_shot, direct_samples, {}, seed};
         config.estimator = find_estimator(estimator);
         if (!config.estimator) throw nb::value_error("unknown estimator");
         run([&] { session_ = std::make_unique<Session>(scene, cameras, config); });
@@ -55,7 +55,7 @@ private:
 };
 
 /// Layers of a film, by name: (height, width, 3) or (height, width).
-nb::dict layers(BoundSession& self, uint32_t camera) {
+nb::typed<nb::dict, nb::str, Array> layers(BoundSession& self, uint32_t camera) {
     const Film& film = self.session().film(camera);
     const size_t pixels = film.sum.size();
     std::vector<Rgb> emission(pixels), direct(pixels), diffuse(pixels), specular(pixels), albedo(pixels), normal(pixels), error(pixels),
@@ -67,7 +67,7 @@ nb::dict layers(BoundSession& self, uint32_t camera) {
         albedo[i] = s.albedo, normal[i] = s.normal, depth[i] = s.depth, error[i] = film.standard_error(i);
         solution[i] = s.solution_stderr;
     }
-    nb::dict d;
+    nb::typed<nb::dict, nb::str, Array> d;
     const auto add = [&](const char* name, const std::vector<Rgb>& values) { d[name] = to_numpy(flat(values), {film.height, film.width, 3}); };
     add("emission", emission);
     add("direct", direct);
@@ -82,15 +82,15 @@ nb::dict layers(BoundSession& self, uint32_t camera) {
 }
 
 /// Irradiance of all sides: mean and variance of the mean, each (2, patches, 3): front, back.
-nb::tuple field(const SideField& f) {
+nb::typed<nb::tuple, Array, Array> field(const SideField& f) {
     const size_t patches = f.mean.size() / 2;
-    return nb::make_tuple(to_numpy(flat(f.mean), {2, patches, 3}), to_numpy(flat(f.variance), {2, patches, 3}));
+    return nb::typed<nb::tuple, Array, Array>(nb::make_tuple(to_numpy(flat(f.mean), {2, patches, 3}), to_numpy(flat(f.variance), {2, patches, 3})));
 }
 
-nb::dict stats(BoundSession& self) {
+nb::typed<nb::dict, nb::str, nb::object> stats(BoundSession& self) {
     const Session& session = self.session();
     Solver& solver = self.session().solver();
-    nb::dict d;
+    nb::typed<nb::dict, nb::str, nb::object> d;
     d["rays"] = solver.stats().rays;
     d["escaped_rays"] = solver.stats().escaped;
     d["replicas"] = solver.replicas();
@@ -135,6 +135,8 @@ void bind_session(nb::module_& m) {
         .def("area_estimates", area_estimates, nb::arg("eye"), nb::arg("estimator"))
         .def("borrowed", [](BoundSession& self) { return self.session().reconstruction().borrowed(); })
         .def("unfilled", [](BoundSession& self) { return self.session().reconstruction().unfilled(); })
+        .def_prop_ro("rays", [](BoundSession& self) { return self.session().solver().stats().rays; })
+        .def_prop_ro("steps", [](BoundSession& self) { return self.session().solver().steps(); })
         .def_prop_ro("stats", stats);
     m.def("estimators", [] {
         std::vector<std::string> names;

@@ -117,8 +117,8 @@ def _material_problems(material: Material) -> Iterator[str]:
 def _albedo_problem(scene: Scene, material: Material, core: _core.Material) -> Problem | None:
     if core.max_albedo <= 1 + ROOM_FOR_ROUNDING:
         return None
-    text = f"material '{material.name}' reflects {core.max_albedo:.4g} times the light that it gets; allowed: diffuse + specular + mirror <= 1"
-    return _at(scene, material.name, text)
+    found = f"material '{material.name}' reflects {core.max_albedo:.4g} times the light that it gets"
+    return _at(scene, material.name, f"{found}; allowed: diffuse + specular + mirror <= 1")
 
 
 def _material(material: Material) -> _core.Material:

@@ -5,17 +5,21 @@ from __future__ import annotations
 import hashlib
 import math
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 
+from . import _core
 from .core import camera_to_core, to_core
 from .progress import Progress
 from .result import Patches, Result
 from .scene import FloatArray, Scene
+from .schedule import Schedule
 from .settings import QUALITIES, Settings
+
+DIRECT_SAMPLES = 4  # shadow rays a side and replica for the first shot
 
 
 def render(
@@ -53,61 +57,50 @@ def render(
     Raises SettingsError or SceneError with all that is wrong.
     """
     started = clock.monotonic() if started is None else started
-    from . import _core
-    from .schedule import Schedule
-
-    scene, notes = with_camera(scene)
-    settings = Settings(transport, areas, estimator, defensive, first_shot, rays, time, error, patches, quality, camera, size, seed, threads, layers)
+    scene, framed = with_camera(scene)
+    settings = Settings(
+        transport, areas, estimator, defensive, first_shot, rays, time, error, patches, quality, camera, size, seed, threads, layers
+    )
     settings.check(scene)
     cameras = settings.cameras(scene)
     core, left_out = to_core(scene, patches)
     session = _core.Session(
-        core,
-        [camera_to_core(c) for c in cameras],
-        transport,
-        estimator,
-        -1.0 if defensive is None else defensive,
-        first_shot,
-        4,
-        seed,
-        settings.thread_count(),
+        scene=core,
+        cameras=[camera_to_core(c) for c in cameras],
+        transport=transport,
+        estimator=estimator,
+        defensive=-1.0 if defensive is None else defensive,
+        first_shot=first_shot,
+        direct_samples=DIRECT_SAMPLES,
+        seed=seed,
+        threads=settings.thread_count(),
     )
     schedule = Schedule(session, len(cameras), core.patches, transport, started, progress, interrupted or (lambda: False))
-    work = QUALITIES[quality]
-    if time is not None:
-        schedule.by_time(time)
-    elif error is not None:
-        schedule.by_error(error)
-    else:
-        schedule.by_rays(rays or max(work.rays, work.rays_per_patch * core.patches), work.samples)
-    schedule.error = math.hypot(*schedule.errors())
-
-    notes = (*scene.notes, *notes, *left_out)
-    if not any(max(m.emission) > 0 for m in scene.meshes) and not scene.lights:
-        notes = (*notes, "the scene has no light: the picture is black")
+    _work(schedule, settings, core.patches)
     pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
-    notes = (*notes, *(f"camera '{name}' sees no light at all: it may be inside a wall" for name, p in pictures.items() if not p["rgb"].any()))
     stats = _stats(session, schedule, clock.monotonic() - started, core.patches)
-    metadata = {
-        **_made_by(),
-        "scene": scene.source,
-        "scene hash": scene_hash(scene),
-        "transport": transport,
-        "areas": areas,
-        "estimator": estimator,
-        "seed": str(seed),
-        "rays": str(stats["rays"]),
-        "time": f"{stats['time']:.3f}",
-    }
-    return Result(pictures, _patches(core, session, scene), metadata, stats, notes)
+    notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures))
+    return Result(pictures, _patches(core, session, scene), _metadata(scene, settings, stats), stats, notes)
+
+
+def _work(schedule: Schedule, settings: Settings, patches: int) -> None:
+    """Do what the budget asks for; with none, what the quality does."""
+    work = QUALITIES[settings.quality]
+    if settings.time is not None:
+        schedule.by_time(settings.time)
+    elif settings.error is not None:
+        schedule.by_error(settings.error)
+    else:
+        schedule.by_rays(settings.rays or max(work.rays, work.rays_per_patch * patches), work.samples)
+    schedule.error = math.hypot(*schedule.errors())
 
 
 def describe(scene: Scene, patches: int | None = None) -> dict[str, Any]:
-    """What is in a scene: `patches`, `triangles`, `degenerate`, `duplicate`, `huge`, `nonfinite` (counts), `memory_bytes` that a render with
-    one camera will take, `surface_area` (m2), `power` (W, RGB), `lights` (list of `name`, `kind`, `power`). Raises SceneError."""
+    """What is in a scene: `patches`, `triangles`, `degenerate`, `duplicate`, `huge`, `nonfinite` (counts), `memory_bytes` that a render
+    with one camera will take, `surface_area` (m2), `power` (W, RGB), `lights` (list of `name`, `kind`, `power`). Raises SceneError."""
     core, _ = to_core(scene, patches)
     report = core.report
-    lights = [
+    lights: list[dict[str, Any]] = [
         {"name": mesh.name, "kind": "area", "power": tuple(math.pi * area * e for e in mesh.emission)}
         for mesh, area in zip(scene.meshes, core.lamp_areas, strict=True)
         if area > 0
@@ -142,14 +135,36 @@ def scene_hash(scene: Scene) -> str:
             digest.update(b"" if array is None else np.ascontiguousarray(array).tobytes())
     digest.update(repr((sorted(scene.materials.items()), scene.lights)).encode())
     for camera in scene.cameras:
-        digest.update(repr((camera.name, np.asarray(camera.to_world).tolist(), camera.fov, camera.fov_axis, camera.width, camera.height)).encode())
+        view = (camera.fov, camera.fov_axis, camera.width, camera.height)
+        digest.update(repr((camera.name, np.asarray(camera.to_world).tolist(), *view)).encode())
     return digest.hexdigest()
 
 
-def _made_by() -> dict[str, str]:
+def _dark(scene: Scene, pictures: dict[str, dict[str, FloatArray]]) -> Iterator[str]:
+    """Say why pictures are black."""
+    if not any(max(mesh.emission) > 0 for mesh in scene.meshes) and not any(max(light.intensity) > 0 for light in scene.lights):
+        yield "the scene has no light: the picture is black"
+        return
+    for name, picture in pictures.items():
+        if not picture["rgb"].any():
+            yield f"camera '{name}' sees no light at all: it may be inside a wall"
+
+
+def _metadata(scene: Scene, settings: Settings, stats: dict[str, object]) -> dict[str, str]:
     from . import __version__
 
-    return {"software": "lumel", "version": __version__}
+    return {
+        "software": "lumel",
+        "version": __version__,
+        "scene": scene.source,
+        "scene hash": scene_hash(scene),
+        "transport": settings.transport,
+        "areas": settings.areas,
+        "estimator": settings.estimator,
+        "seed": str(settings.seed),
+        "rays": str(stats["rays"]),
+        "time": f"{stats['time']:.3f}",
+    }
 
 
 def _picture(layers: dict[str, FloatArray]) -> dict[str, FloatArray]:
@@ -158,7 +173,7 @@ def _picture(layers: dict[str, FloatArray]) -> dict[str, FloatArray]:
     return {"rgb": np.asarray(sum(parts), dtype=np.float32), **layers}
 
 
-def _stats(session: Any, schedule: Any, seconds: float, patches: int) -> dict[str, object]:
+def _stats(session: _core.Session, schedule: Schedule, seconds: float, patches: int) -> dict[str, object]:
     return {
         **session.stats,
         "rays_per_s": schedule.rays_per_s,
@@ -171,7 +186,7 @@ def _stats(session: Any, schedule: Any, seconds: float, patches: int) -> dict[st
     }
 
 
-def _patches(core: Any, session: Any, scene: Scene) -> Patches:
+def _patches(core: _core.Scene, session: _core.Session, scene: Scene) -> Patches:
     geometry = core.patch_geometry()
     (direct, direct_var), (indirect, indirect_var) = session.direct(), session.indirect()
     irradiance = np.moveaxis(direct + indirect, 0, 1)
@@ -184,6 +199,6 @@ def _patches(core: Any, session: Any, scene: Scene) -> Patches:
     return Patches(irradiance * sides, irradiance, stderr, geometry[:, 0], geometry[:, 1:4], geometry[:, 4:7])
 
 
-def _memory(scene: Scene, core: Any) -> int:
+def _memory(scene: Scene, core: _core.Scene) -> int:
     pixels = max((c.width * c.height for c in scene.cameras), default=0)
     return 60_000_000 + core.triangles * 200 + core.patches * 420 + core.glossy_sides * 350 + pixels * 450

@@ -13,8 +13,6 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from .errors import Problem, SceneError, nearest
-
 Rgb = tuple[float, float, float]
 FloatArray = npt.NDArray[np.float32]
 IntArray = npt.NDArray[np.int32]

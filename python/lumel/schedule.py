@@ -36,6 +36,7 @@ class Schedule:
     error: float = math.nan
     was_interrupted: bool = False
     _shooting_s: float = field(default=0.0, init=False)
+    _step_speed: float = field(default=0.0, init=False)  # rays a second of the last step
 
     # What a budget means
 
@@ -53,23 +54,20 @@ class Schedule:
         """Shoot and see until `seconds` after the start."""
         end = self.started + seconds
         begin = time.monotonic()
-        stop_shooting = begin + max(0.0, end - begin) * SHOOT_SHARE
-        rays = self._pilot_rays(seconds)
-        replicas, replica = FEWEST_REPLICAS, 0
+        shooting = max(0.0, end - begin) * SHOOT_SHARE
+        replicas, replica = 1, 0
         while replica < replicas and not (replica > 0 and self._stop()):
-            last = begin + (stop_shooting - begin) * (replica + 1) / replicas
-            self._timed_replica(rays, last, end)
+            # The start of the first replica tells what a start costs, and its first step how fast rays are.
+            before = time.monotonic()
+            slot = shooting / replicas
+            self._begin(self._pilot_rays(seconds) if replica == 0 else int(slot * self._step_speed * SOLVE_SHARE))
+            if replica == 0:
+                started = time.monotonic() - before
+                self._step(self._pilot_rays(seconds))
+                replicas = self._replicas(int(shooting * self._step_speed), int(shooting / 4 / max(started, 1e-3)))
+            self._steps_until(begin + shooting * (replica + 1) / replicas, end)
+            self.session.end_replica()
             replica += 1
-            # The first replica tells the speed, and with it how many replicas there shall be and how large each is.
-            left = stop_shooting - time.monotonic()
-            affordable = self._speed() * max(0.0, left)
-            if replica == 1:
-                replicas = 1 + (self._replicas(int(affordable)) if affordable > RAYS_PER_REPLICA / 4 else 0)
-                begin = time.monotonic() - (stop_shooting - time.monotonic()) / max(1, replicas - 1)
-            if replica < replicas:
-                rays = max(1024, int(affordable / (replicas - replica)))
-            if left <= 0:
-                break
         self.session.reconstruct()
         self._see_until(end)
 
@@ -98,7 +96,7 @@ class Schedule:
     @property
     def rays(self) -> int:
         """Shooting rays so far."""
-        return int(self.session.stats["rays"])
+        return self.session.rays
 
     @property
     def rays_per_s(self) -> float:
@@ -106,7 +104,7 @@ class Schedule:
         return self._speed()
 
     def errors(self) -> tuple[float, float]:
-        """Relative error sqrt(mean(stderr^2 / (I^2 + e))), e = 0.01 mean(I)^2, over all cameras: of the solution, and of the eye's samples."""
+        """Relative error sqrt(mean(stderr^2 / (I^2 + e))), e = 0.01 mean(I)^2, over all cameras: of the solution and of the eye."""
         parts = []
         for camera in range(self.cameras):
             layers = self.session.layers(camera)
@@ -138,18 +136,17 @@ class Schedule:
                 break
         self.session.end_replica()
 
-    def _timed_replica(self, rays: int, until: float, end: float) -> None:
-        """One replica of about `rays` rays that takes steps until the time `until`, at least one."""
-        self._begin(rays)
-        step = min(self._largest_step(), max(1024, int(rays * (1 - SOLVE_SHARE))))
+    def _steps_until(self, until: float, end: float) -> None:
+        """Take as many steps, as large as may be, as fit before the time `until`; at least one in a replica."""
+        first = self.session.steps == 0
         while True:
-            before = time.monotonic()
-            self._step(step)
-            now = time.monotonic()
-            self._tell("shoot", (now - self.started) / (end - self.started))
-            if now + 0.6 * (now - before) > until or self._stop():
-                break
-        self.session.end_replica()
+            room = (until - time.monotonic()) * self._step_speed
+            if not first and (room < RAYS_PER_STEP / 32 or self._stop()):
+                return
+            first = False
+            parts = max(1, round(room / self._largest_step()))
+            self._step(max(1024, int(room / parts)))
+            self._tell("shoot", (time.monotonic() - self.started) / (end - self.started))
 
     def _begin(self, rays: int) -> None:
         before = time.monotonic()
@@ -157,9 +154,11 @@ class Schedule:
         self._shooting_s += time.monotonic() - before
 
     def _step(self, rays: int) -> None:
-        before = time.monotonic()
+        before, rays_before = time.monotonic(), self.rays
         self.session.step(rays)
-        self._shooting_s += time.monotonic() - before
+        seconds = time.monotonic() - before
+        self._shooting_s += seconds
+        self._step_speed = (self.rays - rays_before) / max(seconds, 1e-6)
 
     def _see(self, samples: int) -> None:
         """`samples` samples a pixel for every camera."""
@@ -167,39 +166,41 @@ class Schedule:
         if self.was_interrupted:
             passes = FEWEST_PASSES
         for done in range(passes):
-            for camera in range(self.cameras):
-                self.session.eye_pass(camera, max(1, samples // passes))
+            self._pass(max(1, samples // passes))
             self._tell("eye", 0.7 + 0.3 * (done + 1) / passes)
             if done + 1 >= FEWEST_PASSES and self._stop():
                 break
 
     def _see_until(self, end: float) -> None:
-        """As many passes as there is time for, at least FEWEST_PASSES; the first ones tell what a sample costs."""
-        cost, samples, done = math.inf, 1, 0
+        """As many passes as there is time for, at least FEWEST_PASSES, all of as many samples: a first look tells what a sample costs."""
+        room = (end - time.monotonic()) / self._pass(1)
+        samples = max(1, min(PASS_SAMPLES, int(room / FEWEST_PASSES)))
+        done = 1
+        if samples > 1 and not self.was_interrupted:
+            self.session.reconstruct()
+            done = 0
         while True:
-            before = time.monotonic()
-            for camera in range(self.cameras):
-                self.session.eye_pass(camera, samples)
-            now = time.monotonic()
+            seconds = self._pass(samples)
             done += 1
-            cost = (now - before) / samples
+            now = time.monotonic()
             self._tell("eye", min(1.0, (now - self.started) / (end - self.started)))
-            if done >= FEWEST_PASSES and (self._stop() or now + 0.7 * cost * samples > end):
-                break
-            if done == 1:
-                # Passes count alike, so all have the samples that the time allows for.
-                samples = max(1, min(PASS_SAMPLES, int((end - now) / cost / FEWEST_PASSES)))
-                if samples > 1:
-                    self.session.reconstruct()
-                    done = 0
+            if done >= FEWEST_PASSES and (self._stop() or now + 0.7 * seconds > end):
+                return
+
+    def _pass(self, samples: int) -> float:
+        """One pass for every camera; gives the seconds that it took."""
+        before = time.monotonic()
+        for camera in range(self.cameras):
+            self.session.eye_pass(camera, samples)
+        return max(1e-6, time.monotonic() - before)
 
     # Sizes
 
-    def _replicas(self, rays: int) -> int:
-        return max(FEWEST_REPLICAS, min(REPLICAS, rays // RAYS_PER_REPLICA))
+    def _replicas(self, rays: int, most: int = REPLICAS) -> int:
+        return max(FEWEST_REPLICAS, min(REPLICAS, most, rays // RAYS_PER_REPLICA))
 
     def _pilot_rays(self, seconds: float) -> int:
-        return int(min(RAYS_PER_STEP / 4, max(16_384, seconds * 20_000)))
+        return int(min(RAYS_PER_STEP / 2, max(16_384, seconds * 50_000)))
 
     def _largest_step(self) -> int:
         return max(RAYS_PER_STEP, 2 * self.patches)

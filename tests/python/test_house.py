@@ -21,12 +21,13 @@ PACKAGE = ROOT / "python" / "lumel"
 LONGEST = 400  # lines
 
 # Which other rooms of the core a room may include. A new room needs a line here.
-BASE = {"math", "sampling", "scene", "accel"}
+BASE = {"math", "sampling", "scene", "accel", "transfer"}
 MAY_INCLUDE: dict[str, set[str]] = {
     "math": set(),
     "sampling": {"math"},
     "scene": {"math", "sampling"},
     "accel": {"math", "sampling", "scene"},
+    "transfer": {"math", "sampling", "scene"},
     "estimators": {"math", "sampling"},
     "transport": BASE,
     "areas": BASE | {"estimators"},

@@ -37,21 +37,21 @@ uint32_t PatchAreas::find(uint32_t side) const {
     return it != sides_.end() && *it == side ? static_cast<uint32_t>(it - sides_.begin()) : Scene::kNone;
 }
 
-void PatchAreas::measure(const Hits& hits, double weight) {
+void PatchAreas::measure(const Transfers& transfers, double weight) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, size(), 64), [&](const auto& range) {
-        for (uint32_t area = range.begin(); area < range.end(); ++area) measure_area(hits, area, weight);
+        for (uint32_t area = range.begin(); area < range.end(); ++area) measure_area(transfers, area, weight);
     });
 }
 
-void PatchAreas::measure_area(const Hits& hits, uint32_t area, double weight) {
+void PatchAreas::measure_area(const Transfers& transfers, uint32_t area, double weight) {
     const uint32_t side = sides_[area], triangle = scene_->triangle_of_side(side);
     const bool back = scene_->is_back(side);
-    for (uint32_t i : hits.group(side)) {
-        const Arrival& arrival = hits.arrivals[i];
-        const Surface x(*scene_, {triangle, arrival.u, arrival.v}, back);
+    for (uint32_t i : transfers.group(side)) {
+        const Transfer& transfer = transfers.all[i];
+        const Surface x(*scene_, {triangle, transfer.u, transfer.v}, back);
         const Frame frame(x.shading);
-        const Vec3 wi = frame.to_local(arrival.wi);
-        const float cos = dot(x.normal, arrival.wi);
+        const Vec3 wi = frame.to_local(transfer.wi);
+        const float cos = dot(x.normal, transfer.wi);
         if (!(wi.z > 0 && cos > 0)) continue;
         for (uint32_t eye = 0; eye < eyes_.size(); ++eye) {
             const Vec3 wo = frame.to_local(normalize(eyes_[eye] - x.x));
@@ -59,8 +59,8 @@ void PatchAreas::measure_area(const Hits& hits, uint32_t area, double weight) {
             const Rgb scatter = x.material->scatter_s(wi, wo) * (1 / cos);
             Sums& sums = current_[at(eye, area)];
             // f/p and g/p but for 1/A and 1/(a_bar A); the densities of a step are per ray, so its rays undo that.
-            (arrival.inv_pdf > 0 ? sums.f : sums.plain) += to_double(scatter) * to_double(arrival.flux) * weight;
-            sums.g += static_cast<double>(hits.rays) * double{arrival.inv_pdf} * double{lum(scatter)};
+            (transfer.inv_pdf > 0 ? sums.f : sums.plain) += to_double(scatter) * to_double(transfer.flux) * weight;
+            sums.g += static_cast<double>(transfers.rays) * double{transfer.inv_pdf} * double{lum(scatter)};
             sums.hits += 1;
         }
     }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "lumel/estimators/estimator.h"
-#include "lumel/transport/hits.h"
+#include "lumel/transfer/transfers.h"
 
 namespace lumel {
 
@@ -27,7 +27,7 @@ public:
     double albedo(uint32_t eye, uint32_t area) const { return albedo_[at(eye, area)]; }
 
     /// Add one step. Its light counts `weight`; its densities count by its rays.
-    void measure(const Hits& hits, double weight);
+    void measure(const Transfers& transfers, double weight);
     /// End a replica: `weight` is the sum of the weights of its light, `rays` the sum of the rays of its steps.
     void close_replica(double weight, double rays);
     uint32_t replicas() const { return replicas_; }
@@ -49,7 +49,7 @@ private:
         uint64_t hits = 0;
     };
     size_t at(uint32_t eye, uint32_t area) const { return size_t{area} * eyes_.size() + eye; }
-    void measure_area(const Hits& hits, uint32_t area, double weight);
+    void measure_area(const Transfers& transfers, uint32_t area, double weight);
 
     const Scene* scene_;
     std::vector<Vec3> eyes_;

@@ -17,7 +17,7 @@ Solver::Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfi
 void Solver::begin_replica(uint64_t solve_rays) {
     const uint64_t replica = replicas();
     light_ = std::make_unique<Illumination>(
-        *accel_, *defensive_, IlluminationConfig{config_.first_shot, config_.direct_samples, key(config_.seed, kFirstShot, replica)});
+        *accel_, *defensive_, IlluminationConfig{config_.first_shot, config_.direct_samples, config_.homogeneous, key(config_.seed, kFirstShot, replica)});
     received_.assign(accel_->scene().sides(), {});
     weight_ = density_rays_ = 0;
     steps_ = 0;
@@ -49,10 +49,10 @@ void Solver::step(uint64_t rays) {
 
 void Solver::absorb(const Generation& generation, double weight) {
     for (size_t side = 0; side < received_.size(); ++side) received_[side] += to_double(generation.received[side]) * weight;
-    areas_.measure(generation.hits, weight);
-    density_rays_ += static_cast<double>(generation.hits.rays);
-    stats_.escaped += generation.hits.escaped;
-    stats_.lost_flux += generation.hits.lost_flux * weight;
+    areas_.measure(generation.transfers, weight);
+    density_rays_ += static_cast<double>(generation.transfers.rays);
+    stats_.escaped += generation.transfers.escaped;
+    stats_.lost_flux += generation.transfers.lost_flux * weight;
 }
 
 void Solver::end_replica() {

@@ -16,6 +16,7 @@ struct SolverConfig {
     float defensive = 0.1f;         ///< share of defensive rays, 0..1; a session chooses one if it is negative
     bool first_shot = true;         ///< compute direct light apart, and shoot its first reflection
     uint32_t direct_samples = 4;    ///< shadow rays a side and replica for the first shot
+    Rgb homogeneous{};              ///< for tests: see IlluminationConfig
     uint64_t seed = 0;
 };
 
@@ -39,6 +40,8 @@ public:
     /// Close the replica; its light counts as one sample. Does nothing if no step was made.
     void end_replica();
 
+    /// Steps made in the replica under way.
+    uint64_t steps() const { return steps_; }
     uint32_t replicas() const { return areas_.replicas(); }
     const SolverStats& stats() const { return stats_; }
     const PatchAreas& areas() const { return areas_; }

@@ -22,6 +22,7 @@ struct Emitters {
     std::vector<Rgb> diffuse;        ///< per side: W sent by the Lambertian lobe (reflected, or emitted)
     std::vector<Record> records;     ///< kRecords per glossy side
     std::vector<Rgb> behind_mirror;  ///< per side or empty: W of lamps that counts only after a perfect mirror (the first shot has the rest)
+    Rgb homogeneous{};               ///< L0: sides emit (1 - a(wo)) L0, so that the radiance in a closed scene is L0 everywhere (for tests)
     bool point_lamps = false;        ///< point lamps shoot too,
     bool point_lamps_direct = false; ///< and what they shoot counts without a mirror as well
 
@@ -39,6 +40,7 @@ struct Emitters {
     double power(const Scene& scene, uint32_t side) const {
         double sum = lum(diffuse[side]);
         if (!behind_mirror.empty()) sum += lum(behind_mirror[side]);
+        if (max_component(homogeneous) > 0) sum += lum(homogeneous) * kPi * scene.side_area(side);
         for (const Record& record : records_of(scene, side)) sum += record.power;
         return sum;
     }

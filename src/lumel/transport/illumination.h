@@ -8,6 +8,7 @@ namespace lumel {
 struct IlluminationConfig {
     bool first_shot = true;         ///< replace the lamps by their first reflection
     uint32_t direct_samples = 4;    ///< shadow rays a side for it
+    Rgb homogeneous{};              ///< for tests, instead of lamps: see Emitters
     uint64_t stream = 0;            ///< key of the random numbers
 };
 
@@ -32,6 +33,7 @@ public:
             for (uint32_t side = 0; side < scene.sides(); ++side)
                 e.diffuse[side] = direct_[side] * scene.material(scene.triangle_of_side(side)).diffuse * scene.side_area(side);
         }
+        e.homogeneous = config_.homogeneous;
         refresh(stream, e);
         return e;
     }

@@ -18,7 +18,7 @@ public:
 private:
     Emitters emitters_, next_;
     std::vector<Rgb> received_;
-    Hits hits_;
+    Transfers transfers_;
 };
 
 }  // namespace lumel

@@ -2,14 +2,14 @@
 #pragma once
 
 #include "lumel/transport/emitters.h"
-#include "lumel/transport/hits.h"
+#include "lumel/transfer/transfers.h"
 
 namespace lumel {
 
-/// Sum the arrivals of each side into `received` (W, shading cosine included; overwritten), and let `next` send it on: the Lambertian share
-/// as diffuse flux, the specular share as records whose directions are drawn among the arrivals by what the lobe makes
+/// Sum the all of each side into `received` (W, shading cosine included; overwritten), and let `next` send it on: the Lambertian share
+/// as diffuse flux, the specular share as records whose directions are drawn among the all by what the lobe makes
 /// of them. The lamp record of `next` is cleared.
-void scatter(const Scene& scene, const Hits& hits, uint64_t stream, std::vector<Rgb>& received, Emitters& next);
+void scatter(const Scene& scene, const Transfers& transfers, uint64_t stream, std::vector<Rgb>& received, Emitters& next);
 
 /// Add the records of one more generation to those of all before it: of two candidates for a place one stays, drawn by power, and
 /// takes over the power of both, so that the mean over streams is their sum.

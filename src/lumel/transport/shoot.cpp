@@ -90,14 +90,14 @@ Flight launch_from_point_lamp(const Plan& plan, uint32_t index, double offset, S
 }
 
 /// The end of a flight on `side`; nothing where it neither carries light nor counts for a density.
-Arrival arrive(const Scene& scene, const Hit& hit, const Flight& flight) {
+Transfer arrive(const Scene& scene, const Hit& hit, const Flight& flight) {
     if (flight.inv_pdf == 0 && max_component(flight.flux) == 0) return {};
     return {scene.side_of(hit.point(), hit.back), hit.u, hit.v, -flight.ray.direction, flight.flux, flight.inv_pdf};
 }
 
 /// Follow a flight over perfect mirrors to the side where it is measured. Choosing between a surface's mirror and the rest
 /// of it, and roulette, multiply the density.
-Arrival follow(const Plan& plan, Flight flight, uint64_t stream, uint64_t& escaped, double& lost) {
+Transfer follow(const Plan& plan, Flight flight, uint64_t stream, uint64_t& escaped, double& lost) {
     const Scene& scene = plan.scene;
     std::optional<Rng> rng;
     for (int mirrors = 0; mirrors < kMirrors; ++mirrors) {
@@ -180,11 +180,11 @@ private:
 
 }  // namespace
 
-void shoot(const Accel& accel, const Emitters& emitters, const DefensiveStarts& defensive, const ShootConfig& config, Hits& hits) {
+void shoot(const Accel& accel, const Emitters& emitters, const DefensiveStarts& defensive, const ShootConfig& config, Transfers& transfers) {
     const Plan plan(accel, emitters, defensive, config);
     const uint32_t rays = plan.rays(), blocks = (rays + kBlock - 1) / kBlock;
-    hits.arrivals.resize(rays);
-    hits.rays = plan.from_power + plan.from_defensive;
+    transfers.all.resize(rays);
+    transfers.rays = plan.from_power + plan.from_defensive;
     std::vector<uint64_t> escaped(blocks);
     std::vector<double> lost(blocks);
 
@@ -195,12 +195,12 @@ void shoot(const Accel& accel, const Emitters& emitters, const DefensiveStarts& 
         for (uint32_t i = block * kBlock; i < std::min(rays, (block + 1) * kBlock); ++i) {
             const Flight flight = launcher(i);
             const bool empty = flight.inv_pdf == 0 && max_component(flight.flux + flight.behind_mirror) == 0;
-            hits.arrivals[i] = empty ? Arrival{} : follow(plan, flight, key(plan.stream, i), escaped[block], lost[block]);
+            transfers.all[i] = empty ? Transfer{} : follow(plan, flight, key(plan.stream, i), escaped[block], lost[block]);
         }
     });
-    hits.escaped = 0, hits.lost_flux = 0;
-    for (uint32_t block = 0; block < blocks; ++block) hits.escaped += escaped[block], hits.lost_flux += lost[block];
-    hits.group_by_side(accel.scene().sides());
+    transfers.escaped = 0, transfers.lost_flux = 0;
+    for (uint32_t block = 0; block < blocks; ++block) transfers.escaped += escaped[block], transfers.lost_flux += lost[block];
+    transfers.group_by_side(accel.scene().sides());
 }
 
 }  // namespace lumel

@@ -3,7 +3,7 @@
 
 #include "lumel/transport/defensive.h"
 #include "lumel/transport/emitters.h"
-#include "lumel/transport/hits.h"
+#include "lumel/transfer/transfers.h"
 
 namespace lumel {
 
@@ -13,8 +13,8 @@ struct ShootConfig {
     uint64_t stream = 0;      ///< key of the random numbers
 };
 
-/// Shoot from `emitters` and leave the arrivals in `hits`, grouped by side. Perfect mirrors are passed on the way. The result
+/// Shoot from `emitters` and leave the transfers in `transfers`, grouped by side. Perfect mirrors are passed on the way. The result
 /// is a pure function of the arguments, whatever the number of threads.
-void shoot(const Accel& accel, const Emitters& emitters, const DefensiveStarts& defensive, const ShootConfig& config, Hits& hits);
+void shoot(const Accel& accel, const Emitters& emitters, const DefensiveStarts& defensive, const ShootConfig& config, Transfers& transfers);
 
 }  // namespace lumel

@@ -25,9 +25,10 @@ public:
           area_(scene.side_area(side)),
           density_(static_cast<float>(rays_per_watt / area_)),
           diffuse_(emitters.diffuse[side]),
+          homogeneous_(emitters.homogeneous),
           records_(emitters.records_of(scene, side)) {
         if (!emitters.behind_mirror.empty()) behind_mirror_ = emitters.behind_mirror[side];
-        cosine_power_ = lum(diffuse_) + lum(behind_mirror_);
+        cosine_power_ = lum(diffuse_) + lum(behind_mirror_) + lum(homogeneous_) * kPi * area_;
     }
 
     Surface draw_point(Square s) const {
@@ -63,6 +64,8 @@ public:
     Emission evaluate(const Surface& y, Vec3 w) const {
         const float cos = std::max(0.0f, dot(y.normal, w));
         Emission e{diffuse_ * (kInvPi / area_), behind_mirror_ * (kInvPi / area_), cosine_power_ * cos * kInvPi};
+        if (max_component(homogeneous_) > 0)
+            e.radiance += homogeneous_ * (Rgb{1, 1, 1} - y.material->diffuse - y.material->albedo_s(dot(y.shading, w)));
         if (!records_.empty()) {
             const Frame frame(y.shading);
             const Vec3 wo = frame.to_local(w);
@@ -85,7 +88,7 @@ private:
     bool back_;
     PatchCorners corners_;
     float area_, density_;
-    Rgb diffuse_, behind_mirror_;
+    Rgb diffuse_, behind_mirror_, homogeneous_;
     float cosine_power_ = 0;
     std::span<const Record> records_;
 };

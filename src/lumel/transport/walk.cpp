@@ -27,7 +27,7 @@ uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, const Illumi
     const Scene& scene = accel.scene();
     const double fewest = std::max(64.0, static_cast<double>(config.rays) / 1024);
     Emitters emitters = light.emitters(key(config.stream, kLamps)), next(scene);
-    Hits hits;
+    Transfers transfers;
     std::vector<Rgb> received;
     uint64_t shot = 0;
     double first_power = 0;
@@ -45,12 +45,13 @@ uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, const Illumi
             rays = fewest;
         }
         const auto count = static_cast<uint64_t>(rays);
-        shoot(accel, emitters, defensive, {count, config.defensive, key(config.stream, kShoot, generation)}, hits);
-        scatter(scene, hits, key(config.stream, kScatter, generation), received, next);
-        shot += hits.arrivals.size();
-        sink({hits, received, next});
+        shoot(accel, emitters, defensive, {count, config.defensive, key(config.stream, kShoot, generation)}, transfers);
+        scatter(scene, transfers, key(config.stream, kScatter, generation), received, next);
+        shot += transfers.all.size();
+        sink({transfers, received, next});
         std::swap(emitters, next);
         next.behind_mirror.clear();
+        next.homogeneous = {};
         next.point_lamps = false;
     }
 }

@@ -15,9 +15,9 @@ struct WalkConfig {
     uint64_t stream = 0;       ///< key of the random numbers
 };
 
-/// What one step of a transport made: its arrivals, and the light that every side received in it, W.
+/// What one step of a transport made: its all, and the light that every side received in it, W.
 struct Generation {
-    const Hits& hits;
+    const Transfers& transfers;
     const std::vector<Rgb>& received;
     const Emitters& next;  ///< what of it is sent on
 };

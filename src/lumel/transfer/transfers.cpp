@@ -1,21 +1,21 @@
-#include "lumel/transport/hits.h"
+#include "lumel/transfer/transfers.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 namespace lumel {
 
-void Hits::group_by_side(uint32_t sides) {
-    const size_t n = arrivals.size();
+void Transfers::group_by_side(uint32_t sides) {
+    const size_t n = all.size();
     const size_t chunks = std::max<size_t>(1, static_cast<size_t>(tbb::this_task_arena::max_concurrency()));
     const auto begin = [&](size_t chunk) { return n * chunk / chunks; };
 
-    // Count the arrivals of every side, chunk by chunk.
+    // Count the all of every side, chunk by chunk.
     std::vector<std::vector<uint32_t>> counts(chunks);
     tbb::parallel_for(size_t{0}, chunks, [&](size_t chunk) {
         counts[chunk].assign(sides, 0);
         for (size_t i = begin(chunk); i < begin(chunk + 1); ++i)
-            if (arrivals[i].side != Arrival::kLost) ++counts[chunk][arrivals[i].side];
+            if (all[i].side != Transfer::kLost) ++counts[chunk][all[i].side];
     });
 
     // Give every chunk its place in every group: any number of chunks leads to the one stable order.
@@ -33,7 +33,7 @@ void Hits::group_by_side(uint32_t sides) {
     order.resize(at);
     tbb::parallel_for(size_t{0}, chunks, [&](size_t chunk) {
         for (size_t i = begin(chunk); i < begin(chunk + 1); ++i)
-            if (arrivals[i].side != Arrival::kLost) order[counts[chunk][arrivals[i].side]++] = static_cast<uint32_t>(i);
+            if (all[i].side != Transfer::kLost) order[counts[chunk][all[i].side]++] = static_cast<uint32_t>(i);
     });
 }
 

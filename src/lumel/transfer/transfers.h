@@ -1,4 +1,4 @@
-// Where shot rays arrived, as a structure of arrays, and the same grouped by the side that they hit.
+// Transfers: light under way from one point to another, as it arrives; what transports make and areas of interest measure.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +10,20 @@
 
 namespace lumel {
 
-/// A transfer that ended on a surface: (x, wi, L_in, p) in the form that measuring needs.
-struct Arrival {
+/// One transfer (x, wi, L_in, p) that ended on a surface, in the form that measuring needs.
+struct Transfer {
     static constexpr uint32_t kLost = 0xffffffffu;
 
-    uint32_t side = kLost;  ///< kLost where the ray left the scene or carried no sample
+    uint32_t side = kLost;  ///< side that holds x; kLost where the ray left the scene or carried no sample
     float u = 0, v = 0;     ///< barycentrics of x in its triangle
     Vec3 wi;                ///< where the light came from
     Rgb flux;               ///< L_in cos(theta_x) / (n p), W: what the transfer carries of the light, over n rays of one step
     float inv_pdf = 0;      ///< cos(theta_x) / (n p), m2 sr; 0: the transfer has no density, it stays outside all ratios
 };
 
-/// All arrivals of one step in the order of their rays, and an order that groups them by side and keeps rays in order within.
-struct Hits {
-    std::vector<Arrival> arrivals;
+/// The transfers of one step in the order of their rays, and an order that groups them by side and keeps rays in order within.
+struct Transfers {
+    std::vector<Transfer> all;
     std::vector<uint32_t> first;  ///< sides + 1: group of side s is order[first[s]] .. order[first[s+1]]
     std::vector<uint32_t> order;
     uint64_t rays = 0;            ///< n of the densities: rays shot from surfaces and the enclosing sphere
