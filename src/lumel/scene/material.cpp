@@ -46,9 +46,10 @@ void Material::tabulate() {
         Rgb64 sum;
         for (int i = 0; i < kSide; ++i)
             for (int j = 0; j < kSide; ++j) {
-                const Square s{(static_cast<float>(i) + 0.5f) / kSide, (static_cast<float>(j) + 0.5f) / kSide};
-                const Vec3 wi = ggx::sample(wo, alpha, s);
-                if (wi.z > 0) sum += fresnel(0.5f * length(wi + wo)) * ggx::G1(wi.z, alpha);
+                // The tail of the lobe, where it meets the horizon, lies at v = 1: steps of 1 - v = t^3 are fine there.
+                const float t = (static_cast<float>(j) + 0.5f) / kSide;
+                const Vec3 wi = ggx::sample(wo, alpha, {(static_cast<float>(i) + 0.5f) / kSide, 1.0f - t * t * t});
+                if (wi.z > 0) sum += fresnel(0.5f * length(wi + wo)) * (3.0f * t * t * ggx::G1(wi.z, alpha));
             }
         albedo_[node] = specular * (sum * (1.0 / (kSide * kSide))).to_float();
     }
