@@ -9,12 +9,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 from .errors import Problem, SettingsError, nearest
+from .result import LAYERS
 from .scene import Camera, Scene
 
 TRANSPORTS = ("rays", "walk")
 AREAS = ("patches",)
 ESTIMATORS = ("classical", "weighted")
 LARGEST_PICTURE = 32_768  # pixels a side
+BYTES_PER_PIXEL = 450  # of memory, for each camera
+BYTES_PER_PATCH = 420
 
 
 @dataclass(frozen=True)
@@ -51,8 +54,12 @@ class Settings:
 
     def check(self, scene: Scene) -> None:
         """Raise SettingsError with all that is out of range or unknown."""
-        if problems := [Problem(text) for text in (*self._names(), *self._budgets(), *self._numbers(), *self._views(scene))]:
+        if problems := (*self.problems(), *(Problem(text) for text in self._views(scene))):
             raise SettingsError(problems)
+
+    def problems(self) -> tuple[Problem, ...]:
+        """All that is out of range or unknown, whatever the scene."""
+        return tuple(Problem(text) for text in (*self._names(), *self._budgets(), *self._numbers(), *self._sizes()))
 
     def cameras(self, scene: Scene) -> tuple[Camera, ...]:
         """The cameras to render, with the size that was asked for."""
@@ -78,6 +85,9 @@ class Settings:
         for name, (value, allowed) in choices.items():
             if value not in allowed:
                 yield f"unknown {name} '{value}'; {nearest(str(value), allowed)}"
+        for layer in (self.layers,) if isinstance(self.layers, str) else self.layers or ():
+            if layer not in ("all", "rgb", *LAYERS):
+                yield f"unknown layer '{layer}'; {nearest(layer, ('all', 'rgb', *LAYERS))}"
 
     def _budgets(self) -> Iterator[str]:
         given = [name for name in ("rays", "time", "error") if getattr(self, name) is not None]
@@ -86,9 +96,9 @@ class Settings:
         if self.rays is not None and not 1 <= self.rays <= 10**13:
             yield f"rays is {self.rays}; allowed: 1 to 10^13"
         if self.time is not None and not 0 < self.time < math.inf:
-            yield f"time is {self.time:g}; allowed: more than 0 seconds"
+            yield f"time is {self.time:g}; allowed: a finite number of seconds, more than 0"
         if self.error is not None and not 0 < self.error < math.inf:
-            yield f"error is {self.error:g}; allowed: more than 0"
+            yield f"error is {self.error:g}; allowed: a finite number, more than 0"
 
     def _numbers(self) -> Iterator[str]:
         if self.defensive is not None and not 0 <= self.defensive <= 1:
@@ -104,12 +114,26 @@ class Settings:
         names = [camera.name for camera in scene.cameras]
         if self.camera not in (None, "all") and self.camera not in names:
             yield f"unknown camera '{self.camera}'; {nearest(str(self.camera), ['all', *names])}"
-        for camera in self.cameras(scene) if self.size is None else ():
+        cameras = self.cameras(scene)
+        for camera in cameras if self.size is None else ():
             if not _is_size(camera.width, camera.height):
                 yield f"camera '{camera.name}' has size {camera.width}x{camera.height}; allowed: 1x1 to {LARGEST_PICTURE}x{LARGEST_PICTURE}"
+        if self.size is None or _is_size(*self.size):
+            yield from _too_much("the pictures", sum(camera.width * camera.height for camera in cameras) * BYTES_PER_PIXEL)
+
+    def _sizes(self) -> Iterator[str]:
         if self.size is not None and not _is_size(*self.size):
             yield f"size is {self.size[0]}x{self.size[1]}; allowed: 1x1 to {LARGEST_PICTURE}x{LARGEST_PICTURE}"
+        if self.patches is not None and 1 <= self.patches <= 2**30:
+            yield from _too_much(f"{self.patches:,} patches", self.patches * BYTES_PER_PATCH)
 
 
 def _is_size(width: int, height: int) -> bool:
     return 1 <= width <= LARGEST_PICTURE and 1 <= height <= LARGEST_PICTURE
+
+
+def _too_much(what: str, size: int) -> Iterator[str]:
+    """Say so where `size` bytes are more than this machine has."""
+    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    if size > memory:
+        yield f"{what} would take about {size / 2**30:,.0f} GB of memory; this machine has {memory / 2**30:,.0f} GB"

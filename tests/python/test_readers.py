@@ -289,7 +289,7 @@ def test_all_problems_at_once(reader: Reader) -> None:
         (SHAPE + '<sensor type="perspective"><string name="focal_length" value="0mm"/></sensor>', "must be above 0"),
         (SHAPE + '<sensor type="perspective"><float name="principal_point_offset_x" value="0.1"/></sensor>', "principal_point_offset_x"),
         (SHAPE + '<sensor type="perspective"><transform name="to_world"><scale value="2"/></transform></sensor>', "scales or shears"),
-        (SHAPE + '<sensor type="perspective"><film type="hdrfilm"><integer name="width" value="0"/></film></sensor>', "1 to 65536"),
+        (SHAPE + '<sensor type="perspective"><film type="hdrfilm"><integer name="width" value="0"/></film></sensor>', "1 to 32768"),
         (SHAPE + '<sensor type="perspective"><film type="hdrfilm"><integer name="width" value="1.5"/></film></sensor>', "whole number"),
         (SHAPE + '<sensor type="perspective"><film type="hdrfilm"><integer name="crop_width" value="9"/></film></sensor>', "crop_width"),
         (SHAPE + '<float name="loose" value="1"/>', "<float> is not supported"),

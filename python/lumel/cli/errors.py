@@ -25,6 +25,9 @@ def reporting() -> Iterator[None]:
         for problem in error.problems:
             print(f"lumel: error: {problem}", file=sys.stderr)
         raise typer.Exit(code_of(error)) from error
+    except MemoryError as error:
+        print("lumel: error: there is not enough memory for this; smaller pictures and fewer patches need less", file=sys.stderr)
+        raise typer.Exit(BAD_INPUT) from error
     except KeyboardInterrupt as error:
         print("lumel: stopped", file=sys.stderr)
         raise typer.Exit(STOPPED) from error

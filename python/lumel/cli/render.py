@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -49,37 +49,51 @@ def render(
     problems: list[Problem] = []
     defines = values.defines(define or [], problems)
     wanted = values.layers(layers, problems)
-    settings = {
+    budgets = {"rays": values.count("--rays", rays, problems), "time": time, "error": error}
+    settings: dict[str, Any] = {
         "transport": transport, "areas": areas, "estimator": estimator, "defensive": defensive, "first_shot": first_shot,
-        "rays": values.count("--rays", rays, problems), "time": time, "error": error,
         "patches": values.count("--patches", patches, problems), "quality": quality,
         "camera": camera, "size": values.size(size, problems), "layers": wanted, "seed": seed, "threads": threads,
     }  # fmt: skip
     show = show or progress.default_kind()
     values.choice("--progress", show, progress.KINDS, problems)
-    values.exclusive({"--rays": rays, "--time": time, "--error": error}, problems)
+    if values.exclusive({"--rays": rays, "--time": time, "--error": error}, problems):
+        settings |= budgets
     values.exposure(exposure, problems)
+    # Flags that were not given are left to the defaults of lumel.render.
+    given = {name: value for name, value in settings.items() if value is not None}
     with reporting():
-        _check(problems, output)
+        _check(problems, given, output)
         loaded = _load(scene, defines, lenient)
         started = clock.monotonic()
-        # Flags that were not given are left to the defaults of lumel.render.
-        given = {name: value for name, value in settings.items() if value is not None}
+        if camera == "all":
+            _check_outputs([path for path, _ in _targets(output, [view.name for view in loaded.cameras])])
         result = _run(loaded, given | {"started": started}, show, quiet)
         files = _write(result, output, every_camera=camera == "all", layers=wanted, exposure=exposure, half=half)
         if not quiet:
             summary.show(result, files, as_json=show == "json")
 
 
-def _check(problems: Sequence[Problem], outputs: Sequence[Path]) -> None:
-    """Raise now what would else be found after a long render."""
+def _check(problems: Sequence[Problem], settings: Mapping[str, Any], outputs: Sequence[Path]) -> None:
+    """Raise now what would else be found after the scene was read, or after a long render."""
     from ..images.files import problems_with
+    from ..settings import Settings
 
+    # The problems of flags say what the user typed, so they stand for the same one in the settings.
+    known = {name: value for name, value in settings.items() if name != "layers"}
+    bad = [*problems, *Settings(**known).problems()]
     unwritable = problems_with(outputs)
-    if problems:
-        raise SettingsError([*problems, *unwritable])
+    if bad:
+        raise SettingsError([*bad, *unwritable])
     if unwritable:
         raise OutputError(unwritable)
+
+
+def _check_outputs(paths: Sequence[Path]) -> None:
+    from ..images.files import problems_with
+
+    if problems := problems_with(paths):
+        raise OutputError(problems)
 
 
 def _load(scene: str, defines: dict[str, str], lenient: bool) -> Scene:
@@ -100,14 +114,17 @@ def _run(scene: Scene, settings: dict[str, Any], show: str, quiet: bool) -> Resu
 def _write(result: Result, outputs: Sequence[Path], *, every_camera: bool, **how: Any) -> list[Path]:
     """Write all pictures, or none where one of them cannot be written; gives the files."""
     from ..images.files import write_files
+
+    targets = _targets(outputs, result.cameras) if every_camera else [(output, result.cameras[0]) for output in outputs]
+    write_files({path: result.encode(path, camera=camera, **how) for path, camera in targets})
+    return [path for path, _ in targets]
+
+
+def _targets(outputs: Sequence[Path], cameras: Sequence[str]) -> list[tuple[Path, str]]:
+    """A file of each output for each camera."""
     from ..result import path_of_camera
 
-    if every_camera:
-        targets = [(path_of_camera(output, camera), camera) for output in outputs for camera in result.cameras]
-    else:
-        targets = [(output, result.cameras[0]) for output in outputs]
-    paths = [path for path, _ in targets]
-    if len(set(paths)) < len(paths):
-        raise OutputError(f"cameras {', '.join(result.cameras)} would share a file: their names are too alike for file names")
-    write_files({path: result.encode(path, camera=camera, **how) for path, camera in targets})
-    return paths
+    targets = [(path_of_camera(output, camera), camera) for output in outputs for camera in cameras]
+    if len({path for path, _ in targets}) < len(targets):
+        raise OutputError(f"cameras {', '.join(cameras)} would share a file: their names are too alike for file names")
+    return targets

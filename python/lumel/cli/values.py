@@ -10,7 +10,6 @@ from ..errors import Problem, nearest
 
 _SUFFIXES = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9}
 _COUNT = re.compile(r"(?P<number>[+-]?\d+(\.\d*)?(e\+?\d{1,2})?)(?P<suffix>[kmg]?)", re.IGNORECASE)
-_LARGEST_SIDE = 65536
 _LARGEST_EV = 100
 
 
@@ -30,9 +29,11 @@ def size(text: str | None, problems: list[Problem]) -> tuple[int, int] | None:
     """`WxH` in pixels."""
     if text is None:
         return None
+    from ..settings import LARGEST_PICTURE
+
     match = re.fullmatch(r"(\d{1,6})[xX](\d{1,6})", text.strip())
-    if not match or not all(1 <= int(side) <= _LARGEST_SIDE for side in match.groups()):
-        problems.append(Problem(f"--size must be WIDTHxHEIGHT in pixels, each 1 to {_LARGEST_SIDE} (such as 640x480), found '{text}'"))
+    if not match or not all(1 <= int(side) <= LARGEST_PICTURE for side in match.groups()):
+        problems.append(Problem(f"--size must be WIDTHxHEIGHT in pixels, each 1 to {LARGEST_PICTURE} (such as 640x480), found '{text}'"))
         return None
     return int(match[1]), int(match[2])
 
@@ -68,11 +69,12 @@ def choice(flag: str, text: str, allowed: Sequence[str], problems: list[Problem]
         problems.append(Problem(f"{flag}: unknown value '{text}'; {nearest(text, allowed)}"))
 
 
-def exclusive(flags: Mapping[str, object], problems: list[Problem]) -> None:
-    """Note a problem where more than one of `flags` is given."""
+def exclusive(flags: Mapping[str, object], problems: list[Problem]) -> bool:
+    """Whether at most one of `flags` is given; notes a problem where there are more."""
     given = [flag for flag, value in flags.items() if value is not None]
     if len(given) > 1:
         problems.append(Problem(f"{' and '.join(given)} exclude each other: give one of {', '.join(flags)}"))
+    return len(given) <= 1
 
 
 def exposure(ev: float, problems: list[Problem]) -> None:

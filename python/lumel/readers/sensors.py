@@ -8,13 +8,13 @@ from typing import cast, get_args
 import numpy as np
 
 from ..scene import Camera, FovAxis
+from ..settings import LARGEST_PICTURE
 from .findings import Findings
 from .plugins import Plugin, check_attributes, is_supported
 from .transforms import Matrix
 from .tree import Node
 from .values import number
 
-_LARGEST_FILM = 65536
 _FILM_DIAGONAL = math.hypot(36, 24)  # mm, of the film that focal lengths refer to
 _FOV_AXES: tuple[FovAxis, ...] = get_args(FovAxis)
 
@@ -82,8 +82,8 @@ def _film(sensor: Plugin) -> tuple[int, int]:
     node = films[0]
     is_supported(node, ("hdrfilm",), sensor.findings, sensor.label)
     film = Plugin(node, sensor.findings, f"film of {sensor.label}")
-    width = film.integer("width", 768, 1, _LARGEST_FILM)
-    height = film.integer("height", 576, 1, _LARGEST_FILM)
+    width = film.integer("width", 768, 1, LARGEST_PICTURE)
+    height = film.integer("height", 576, 1, LARGEST_PICTURE)
     film.skip("pixel_format", "component_format", "file_format", "sample_border")
     for rfilter in film.children("rfilter"):
         check_attributes(rfilter, sensor.findings)
