@@ -53,7 +53,9 @@ public:
                 const Frame frame(y.shading);
                 const Vec3 wi = frame.to_local(chosen->wi);
                 if (!(wi.z > 0)) return -y.normal;
-                return frame.to_world(ggx::sample(wi, y.material->alpha, s));
+                // What points below the shading normal's horizon has no density: it is lost even where it is above the surface.
+                const Vec3 wo = ggx::sample(wi, y.material->alpha, s);
+                return wo.z > 0 ? frame.to_world(wo) : -y.normal;
             }
         }
         return draw_cosine(y, s);
