@@ -1,0 +1,43 @@
+"""How far pictures of the reference scenes are from their references after a given time, as a Markdown table.
+
+python benchmarks/references.py [--time SECONDS] [SCENE ...]
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+from scenes import NAMES, folder, machine
+
+import lumel
+from lumel.images import read_picture
+from lumel.images.compare import compare
+
+ESTIMATOR = {"spotlit": "classical"}  # the others: weighted
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--time", type=float, default=20, help="seconds for each scene")
+    parser.add_argument("names", nargs="*", default=NAMES, metavar="SCENE", help=f"of {', '.join(NAMES)}; all of them by default")
+    arguments = parser.parse_args()
+    scenes = folder()
+    print(machine(), end="\n\n")
+    print("| scene | estimator | time, s | rays, M | M rays/s | relMSE - reference noise | of 8x8 means | mean ratio |")
+    print("|---|---|---|---|---|---|---|---|")
+    for name in arguments.names:
+        estimator = ESTIMATOR.get(name, "weighted")
+        scene = lumel.load(scenes / f"{name}.xml")
+        started = time.monotonic()
+        result = lumel.render(scene, estimator=estimator, time=arguments.time, started=started)
+        seconds = time.monotonic() - started
+        reference = read_picture(scenes / "reference" / f"{name}.exr").layers
+        found = compare(result.image(), reference["rgb"], None, reference["stderr"])
+        rays, speed = (float(str(result.stats[key])) / 1e6 for key in ("rays", "rays_per_s"))
+        errors = f"{found.relmse_without_noise:.4f} | {found.relmse_8x8_without_noise:.4f} | {found.mean_ratio:.4f}"
+        print(f"| `{name}` | {estimator} | {seconds:.1f} | {rays:.1f} | {speed:.2f} | {errors} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
