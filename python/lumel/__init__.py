@@ -15,6 +15,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from . import quadrature
     from .errors import LumelError, OutputError, Problem, SceneError, SettingsError
     from .progress import Progress
     from .readers import load
@@ -40,6 +41,7 @@ __all__ = [
     "SettingsError",
     "__version__",
     "load",
+    "quadrature",
     "render",
 ]
 
@@ -62,6 +64,8 @@ def _find(name: str) -> Any:
         from importlib.metadata import version
 
         value = version("lumel")
+    elif name == "quadrature":
+        value = import_module(".quadrature", __name__)
     elif name in _HOME_OF:
         value = getattr(import_module(f".{_HOME_OF[name]}", __name__), name)
     else:
