@@ -147,7 +147,14 @@ def _notes(core: _core.Scene) -> Iterator[str]:
 
 
 def _counts(scene: Scene) -> str:
-    return f"{sum(len(mesh.triangles) for mesh in scene.meshes):,} triangles in {len(scene.meshes)} meshes were given"
+    """How many triangles there are and how far they reach, to say why none can be used."""
+    count = f"{sum(len(mesh.triangles) for mesh in scene.meshes):,} triangles in {len(scene.meshes)} meshes were given"
+    points = np.concatenate([np.asarray(mesh.vertices, np.float64)[np.unique(mesh.triangles)] for mesh in scene.meshes])
+    points = points[np.isfinite(points).all(axis=1)]
+    if not len(points):
+        return f"{count}, no coordinate of which is finite"
+    size, far = float(np.max(np.ptp(points, axis=0))), float(np.max(np.abs(points)))
+    return f"{count}, {size:.3g} m in size and up to {far:.3g} m from the origin, where they are without area or too large to trace"
 
 
 def _at(scene: Scene, name: str, text: str) -> Problem:

@@ -20,6 +20,13 @@ def problem_with(path: Path) -> Problem | None:
     """Say why a picture could not be written to `path`, or None. Leaves no trace on the disk."""
     if path.suffix.lower() not in ENDINGS:
         return wrong_ending(path)
+    try:
+        return _problem_with_place(path)
+    except OSError as error:  # a read-only disk, a name that is too long and the like
+        return Problem(f"cannot write '{path}': {error.strerror}")
+
+
+def _problem_with_place(path: Path) -> Problem | None:
     folder = path.resolve().parent
     if not folder.exists():
         return Problem(f"cannot write '{path}': the folder '{folder}' does not exist")
@@ -29,13 +36,10 @@ def problem_with(path: Path) -> Problem | None:
         return Problem(f"cannot write '{path}': it is a folder")
     if path.exists() and not os.access(path, os.W_OK):
         return Problem(f"cannot write '{path}': the file there is write-protected")
-    # Only a real attempt tells about read-only disks, names that are too long and the like.
+    # Only a real attempt tells the rest.
     attempt = _temporary(path)
-    try:
-        attempt.touch(exist_ok=False)
-        attempt.unlink()
-    except OSError as error:
-        return Problem(f"cannot write '{path}': {error.strerror}")
+    attempt.touch(exist_ok=False)
+    attempt.unlink()
     return None
 
 

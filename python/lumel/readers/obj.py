@@ -26,10 +26,10 @@ class _Obj:
     def line(self, words: list[str]) -> None:
         """Take one line; raises ValueError."""
         kind, *rest = words
-        if kind == "v":
-            self.points.append(_coordinates(rest))
-        elif kind == "vn":
-            self.normals.append(_coordinates(rest))
+        if kind in ("v", "vn"):
+            values = self.points if kind == "v" else self.normals
+            values.append([])  # counts even if it is bad, so that faces are not blamed for it
+            values[-1] = _coordinates(rest)
         elif kind == "f":
             if len(rest) < 3:
                 raise ValueError(f"a face has 3 or more corners, not {len(rest)}")
