@@ -15,10 +15,10 @@ namespace {
 class BoundSession {
 public:
     BoundSession(const Scene& scene, const std::vector<Camera>& cameras, const std::string& transport, const std::string& estimator,
-                 float defensive, bool first_shot, uint32_t direct_samples, uint64_t seed, int threads)
+                 float defensive, float gather, bool first_shot, uint32_t direct_samples, uint64_t seed, int threads)
         : limit_(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)), arena_(threads) {
         SessionConfig config;
-        config.solver = {transport == "walk" ? Transport::kWalk : Transport::kRays, defensive, first_shot, direct_samples, {}, seed};
+        config.solver = {transport == "walk" ? Transport::kWalk : Transport::kRays, defensive, gather, first_shot, direct_samples, {}, seed};
         config.estimator = find_estimator(estimator);
         if (!config.estimator) throw nb::value_error("unknown estimator");
         run([&] { session_ = std::make_unique<Session>(scene, cameras, config); });
@@ -120,8 +120,8 @@ Array area_estimates(BoundSession& self, uint32_t eye, const std::string& estima
 
 void bind_session(nb::module_& m) {
     nb::class_<BoundSession>(m, "Session")
-        .def(nb::init<const Scene&, const std::vector<Camera>&, const std::string&, const std::string&, float, bool, uint32_t, uint64_t, int>(),
-             nb::arg("scene"), nb::arg("cameras"), nb::arg("transport"), nb::arg("estimator"), nb::arg("defensive"), nb::arg("first_shot"),
+        .def(nb::init<const Scene&, const std::vector<Camera>&, const std::string&, const std::string&, float, float, bool, uint32_t, uint64_t, int>(),
+             nb::arg("scene"), nb::arg("cameras"), nb::arg("transport"), nb::arg("estimator"), nb::arg("defensive"), nb::arg("gather"), nb::arg("first_shot"),
              nb::arg("direct_samples"), nb::arg("seed"), nb::arg("threads"))
         .def("begin_replica", &BoundSession::begin_replica, nb::arg("solve_rays"))
         .def("step", &BoundSession::step, nb::arg("rays"))

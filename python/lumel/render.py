@@ -29,6 +29,7 @@ def render(
     areas: str = "patches",
     estimator: str = "weighted",
     defensive: float | None = None,
+    gather: float | None = None,
     first_shot: bool = True,
     rays: int | None = None,
     time: float | None = None,
@@ -47,7 +48,8 @@ def render(
     """Render `scene` by shooting light.
 
     transport: `rays` (shoot from a solved state) or `walk` (random walks from the lights). areas: `patches`. estimator: `weighted` or
-    `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene). first_shot: compute direct light apart.
+    `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene). gather: gathering rays for every glossy patch
+    in view per 2^20 shooting rays, under one density with them (None: 16 for `weighted`, 0 for `classical`). first_shot: compute direct light apart.
     One budget: rays (shooting rays), time (s, from `started` until the picture is complete) or error (relative);
     with none, `quality` (draft, medium, high) sets the work. patches: how many, about. camera: a name, `all`, or None for the
     first. size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have. progress is
@@ -59,7 +61,7 @@ def render(
     started = clock.monotonic() if started is None else started
     scene, framed = with_camera(scene)
     settings = Settings(
-        transport, areas, estimator, defensive, first_shot, rays, time, error, patches, quality, camera, size, seed, threads, layers
+        transport, areas, estimator, defensive, gather, first_shot, rays, time, error, patches, quality, camera, size, seed, threads, layers
     )
     settings.check(scene)
     cameras = settings.cameras(scene)
@@ -70,6 +72,7 @@ def render(
         transport=transport,
         estimator=estimator,
         defensive=-1.0 if defensive is None else defensive,
+        gather=settings.gather_rays(),
         first_shot=first_shot,
         direct_samples=DIRECT_SAMPLES,
         seed=seed,

@@ -15,6 +15,7 @@ from .scene import Camera, Scene
 TRANSPORTS = ("rays", "walk")
 AREAS = ("patches",)
 ESTIMATORS = ("classical", "weighted")
+GATHER = 16.0  # gathering rays an area and 2^20 shooting rays, where the estimator divides by their density
 LARGEST_PICTURE = 32_768  # pixels a side
 BYTES_PER_PIXEL = 450  # of memory, for each camera
 BYTES_PER_PATCH = 420
@@ -40,6 +41,7 @@ class Settings:
     areas: str = "patches"
     estimator: str = "weighted"
     defensive: float | None = None
+    gather: float | None = None
     first_shot: bool = True
     rays: int | None = None
     time: float | None = None
@@ -70,6 +72,12 @@ class Settings:
         else:
             chosen = tuple(camera for camera in scene.cameras if camera.name == self.camera)
         return tuple(camera.with_size(*self.size) for camera in chosen) if self.size else chosen
+
+    def gather_rays(self) -> float:
+        """Gathering rays for every measured area per 2^20 shooting rays."""
+        if self.gather is not None:
+            return self.gather
+        return GATHER if self.estimator == "weighted" else 0.0
 
     def thread_count(self) -> int:
         """Threads to work with: 0 means as many as this process may use."""
@@ -103,6 +111,8 @@ class Settings:
     def _numbers(self) -> Iterator[str]:
         if self.defensive is not None and not 0 <= self.defensive <= 1:
             yield f"defensive is {self.defensive:g}; allowed: 0 to 1, the share of defensive rays"
+        if self.gather is not None and not 0 <= self.gather <= 65_536:
+            yield f"gather is {self.gather:g}; allowed: 0 to 65536, gathering rays a patch and 2^20 shooting rays"
         if self.patches is not None and not 1 <= self.patches <= 2**30:
             yield f"patches is {self.patches}; allowed: 1 to 2^30"
         if not 0 <= self.seed < 2**64:
@@ -124,6 +134,8 @@ class Settings:
     def _sizes(self) -> Iterator[str]:
         if self.size is not None and not _is_size(*self.size):
             yield f"size is {self.size[0]}x{self.size[1]}; allowed: 1x1 to {LARGEST_PICTURE}x{LARGEST_PICTURE}"
+        if self.gather is not None and not 0 <= self.gather <= 65_536:
+            yield f"gather is {self.gather:g}; allowed: 0 to 65536, gathering rays a patch and 2^20 shooting rays"
         if self.patches is not None and 1 <= self.patches <= 2**30:
             yield from _too_much(f"{self.patches:,} patches", self.patches * BYTES_PER_PATCH)
 

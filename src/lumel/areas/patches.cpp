@@ -3,11 +3,15 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "lumel/sampling/hash.h"
+#include "lumel/sampling/warp.h"
 #include "lumel/scene/surface.h"
 
 namespace lumel {
 
 namespace {
+
+constexpr uint32_t kLooks = 16;  // gathered at a time
 
 /// Mean lum(a_s) of a side towards an eye, by the edge midpoints rule.
 double mean_albedo(const Scene& scene, uint32_t side, Vec3 eye) {
@@ -37,30 +41,78 @@ uint32_t PatchAreas::find(uint32_t side) const {
     return it != sides_.end() && *it == side ? static_cast<uint32_t>(it - sides_.begin()) : Scene::kNone;
 }
 
-void PatchAreas::measure(const Transfers& transfers, double weight) {
+void PatchAreas::measure(const Step& step) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, size(), 64), [&](const auto& range) {
-        for (uint32_t area = range.begin(); area < range.end(); ++area) measure_area(transfers, area, weight);
+        for (uint32_t area = range.begin(); area < range.end(); ++area) {
+            measure_shot(step, area);
+            for (uint32_t eye = 0; step.gather > 0 && eye < eyes(); ++eye) measure_gathered(step, area, eye);
+        }
     });
 }
 
-void PatchAreas::measure_area(const Transfers& transfers, uint32_t area, double weight) {
+void PatchAreas::measure_shot(const Step& step, uint32_t area) {
     const uint32_t side = sides_[area], triangle = scene_->triangle_of_side(side);
     const bool back = scene_->is_back(side);
-    for (uint32_t i : transfers.group(side)) {
-        const Transfer& transfer = transfers.all[i];
+    const float gather_density = static_cast<float>(step.gather) / scene_->side_area(side);
+    for (uint32_t i : step.transfers.group(side)) {
+        const Transfer& transfer = step.transfers.all[i];
         const Surface x(*scene_, {triangle, transfer.u, transfer.v}, back);
         const Frame frame(x.shading);
         const Vec3 wi = frame.to_local(transfer.wi);
         const float cos = dot(x.normal, transfer.wi);
         if (!(wi.z > 0 && cos > 0)) continue;
-        for (uint32_t eye = 0; eye < eyes_.size(); ++eye) {
-            const Vec3 wo = frame.to_local(normalize(eyes_[eye] - x.x));
+        for (uint32_t eye = 0; eye < eyes(); ++eye) {
             if (!(albedo_[at(eye, area)] > 0)) continue;
-            const Rgb scatter = x.material->scatter_s(wi, wo) * (1 / cos);
+            const Vec3 wo = frame.to_local(normalize(eyes_[eye] - x.x));
+            const Rgb scatter = x.material->scatter_s(wi, wo);
             Sums& sums = current_[at(eye, area)];
-            // f/p and g/p but for 1/A and 1/(a_bar A); the densities of a step are per ray, so its rays undo that.
-            (transfer.inv_pdf > 0 ? sums.f : sums.plain) += to_double(scatter) * to_double(transfer.flux) * weight;
-            sums.g += static_cast<double>(transfers.rays) * double{transfer.inv_pdf} * double{lum(scatter)};
+            sums.hits += 1;
+            if (!(transfer.inv_pdf > 0)) {
+                sums.plain += to_double(scatter) * to_double(transfer.flux) * (step.weight / double{cos});
+                continue;
+            }
+            // Divide by cos/inv_pdf = n_s p and n_g p_g together; with nothing gathered this is the plain quotient.
+            const float gathered = gather_density > 0 ? gather_density * ggx::pdf_w(wo, wi, x.material->alpha) : 0.0f;
+            const double share = 1.0 / (double{cos} + double{gathered} * double{transfer.inv_pdf});
+            sums.f += to_double(scatter) * to_double(transfer.flux) * (step.weight * share);
+            sums.g += static_cast<double>(step.transfers.rays) * double{transfer.inv_pdf} * double{lum(scatter)} * share;
+        }
+    }
+}
+
+void PatchAreas::measure_gathered(const Step& step, uint32_t area, uint32_t eye) {
+    if (!(albedo_[at(eye, area)] > 0)) return;
+    const uint32_t side = sides_[area], patch = scene_->patch_of_side(side);
+    const float gather_density = static_cast<float>(step.gather) / scene_->side_area(side);
+    const uint64_t stream = key(step.stream, side, eye);
+    const auto count = static_cast<uint32_t>(step.gather + double{to_unit(static_cast<uint32_t>(stream >> 32))});
+    Sums& sums = current_[at(eye, area)];
+    for (uint32_t first = 0; first < count; first += kLooks) {
+        // Draw points on the side and directions of the lobe around the eye's.
+        std::array<Look, kLooks> looks;
+        std::array<Seen, kLooks> seen;
+        std::array<Rgb, kLooks> scatter;
+        std::array<float, kLooks> pdf, cos;
+        uint32_t n = 0;
+        for (uint32_t i = first; i < std::min(count, first + kLooks); ++i) {
+            const SurfacePoint p = scene_->point_on_patch(patch, square_to_triangle(sobol2d(i, key(stream, 1))));
+            const Surface x(*scene_, p, scene_->is_back(side));
+            const Frame frame(x.shading);
+            const Vec3 wo = frame.to_local(normalize(eyes_[eye] - x.x));
+            if (!(wo.z > 0)) continue;
+            const Vec3 wi = ggx::sample(wo, x.material->alpha, sobol2d(i, key(stream, 2))), w = frame.to_world(wi);
+            cos[n] = dot(x.normal, w);
+            pdf[n] = ggx::pdf_w(wo, wi, x.material->alpha);
+            if (!(pdf[n] > 0 && cos[n] > 0)) continue;
+            scatter[n] = x.material->scatter_s(wi, wo);
+            cos[n] *= 1 - x.material->mirror_choice();
+            looks[n++] = {x.off(scene_->epsilon()), w};
+        }
+        step.sight.see(std::span(looks).first(n), std::span(seen).first(n));
+        for (uint32_t i = 0; i < n; ++i) {
+            const double q = double{seen[i].density} * double{cos[i]} + double{gather_density} * double{pdf[i]};
+            sums.f += to_double(scatter[i]) * to_double(seen[i].radiance) * (step.weight / q);
+            sums.g += static_cast<double>(step.transfers.rays) * double{lum(scatter[i])} / q;
             sums.hits += 1;
         }
     }

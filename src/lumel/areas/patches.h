@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lumel/estimators/estimator.h"
+#include "lumel/transfer/sight.h"
 #include "lumel/transfer/transfers.h"
 
 namespace lumel {
@@ -12,7 +13,9 @@ namespace lumel {
 ///
 /// A transfer (x, wi, L_in, p) that lands on side A gives, with w_s = f_s cos(theta_i) towards the eye,
 ///     f/p = L_in w_s / (A p)      g/p = lum(w_s) / (a_bar A p)
-/// where a_bar is the mean of lum(a_s) over the side, so that g integrates to 1 over it.
+/// where a_bar is the mean of lum(a_s) over the side, so that g integrates to 1 over it. Gathered samples join under one density: with
+/// n_g rays a side and step, drawn by the lobe with density p_g, both kinds are divided by q = n_s p + n_g p_g. Then q > 0 wherever
+/// g > 0, and no weight g/q exceeds max(g/p_g) / n_g.
 class PatchAreas {
 public:
     /// `measured`: glossy sides that scatter, in ascending order. `eyes`: positions.
@@ -26,8 +29,15 @@ public:
     /// Mean lum specular albedo of a measured side towards an eye; 0 where the side faces away.
     double albedo(uint32_t eye, uint32_t area) const { return albedo_[at(eye, area)]; }
 
-    /// Add one step. Its light counts `weight`; its densities count by its rays.
-    void measure(const Transfers& transfers, double weight);
+    /// One step of a transport to measure. Its light counts `weight`; its densities count by its rays.
+    struct Step {
+        const Transfers& transfers;
+        const Sight& sight;
+        double weight = 1;
+        double gather = 0;    ///< n_g: expected gathering rays for every side and eye; areas take turns for a fraction
+        uint64_t stream = 0;  ///< key of the random numbers
+    };
+    void measure(const Step& step);
     /// End a replica: `weight` is the sum of the weights of its light, `rays` the sum of the rays of its steps.
     void close_replica(double weight, double rays);
     uint32_t replicas() const { return replicas_; }
@@ -49,7 +59,8 @@ private:
         uint64_t hits = 0;
     };
     size_t at(uint32_t eye, uint32_t area) const { return size_t{area} * eyes_.size() + eye; }
-    void measure_area(const Transfers& transfers, uint32_t area, double weight);
+    void measure_shot(const Step& step, uint32_t area);
+    void measure_gathered(const Step& step, uint32_t area, uint32_t eye);
 
     const Scene* scene_;
     std::vector<Vec3> eyes_;

@@ -6,7 +6,9 @@ namespace lumel {
 
 namespace {
 
-enum Stream : uint64_t { kFirstShot = 31, kSolve, kStep };
+enum Stream : uint64_t { kFirstShot = 31, kSolve, kStep, kGather };
+
+constexpr double kRaysPerFullStep = 1 << 20;
 
 }  // namespace
 
@@ -20,7 +22,7 @@ void Solver::begin_replica(uint64_t solve_rays) {
         *accel_, *defensive_, IlluminationConfig{config_.first_shot, config_.direct_samples, config_.homogeneous, key(config_.seed, kFirstShot, replica)});
     received_.assign(accel_->scene().sides(), {});
     weight_ = density_rays_ = 0;
-    steps_ = 0;
+    steps_ = generations_ = 0;
     frozen_.reset();
     if (config_.transport == Transport::kRays) {
         const auto first = static_cast<uint64_t>(static_cast<double>(solve_rays) / reflections_) + 1;
@@ -49,7 +51,9 @@ void Solver::step(uint64_t rays) {
 
 void Solver::absorb(const Generation& generation, double weight) {
     for (size_t side = 0; side < received_.size(); ++side) received_[side] += to_double(generation.received[side]) * weight;
-    areas_.measure(generation.transfers, weight);
+    // Steps of fewer rays (late generations of a walk) get fewer gathering rays.
+    const double gather = double{config_.gather} * static_cast<double>(generation.transfers.rays) / kRaysPerFullStep;
+    areas_.measure({generation.transfers, generation.sight, weight, gather, key(config_.seed, kGather, replicas(), generations_++)});
     density_rays_ += static_cast<double>(generation.transfers.rays);
     stats_.escaped += generation.transfers.escaped;
     stats_.lost_flux += generation.transfers.lost_flux * weight;

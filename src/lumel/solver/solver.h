@@ -14,6 +14,7 @@ enum class Transport { kWalk, kRays };
 struct SolverConfig {
     Transport transport = Transport::kRays;
     float defensive = 0.1f;         ///< share of defensive rays, 0..1; a session chooses one if it is negative
+    float gather = 0;               ///< gathering rays for every measured side, eye and full step; -1: a session chooses
     bool first_shot = true;         ///< compute direct light apart, and shoot its first reflection
     uint32_t direct_samples = 4;    ///< shadow rays a side and replica for the first shot
     Rgb homogeneous{};              ///< for tests: see IlluminationConfig
@@ -65,7 +66,7 @@ private:
     std::unique_ptr<FrozenLight> frozen_;
     std::vector<Rgb64> received_;
     double weight_ = 0, density_rays_ = 0;
-    uint64_t steps_ = 0;
+    uint64_t steps_ = 0, generations_ = 0;
     double reflections_ = 3;  // rays of a whole walk over those of its first generation, as the last walk had it
 };
 

@@ -14,9 +14,10 @@ struct Record {
     float power = 0;  ///< lum of what the lobe sends on, W; 0: no record
 };
 
-/// Records of a side: the first is light straight from a lamp, the others are light from other surfaces.
-inline constexpr int kRecords = 3;
-inline constexpr int kLampRecord = 0;
+/// Records of a side: first those of light straight from lamps, then those of light from other surfaces.
+inline constexpr int kLampRecords = 4;
+inline constexpr int kSurfaceRecords = 4;
+inline constexpr int kRecords = kLampRecords + kSurfaceRecords;
 
 struct Emitters {
     std::vector<Rgb> diffuse;        ///< per side: W sent by the Lambertian lobe (reflected, or emitted)

@@ -55,9 +55,12 @@ void record_lamps(const Accel& accel, const DefensiveStarts& reachable, uint64_t
     for_each_reachable_side(scene, reachable, [&](uint32_t side) {
         const auto records = emitters.records_of(scene, side);
         if (records.empty()) return;
-        const DirectSample direct = sample_direct(accel, side, 0, stream);
-        const Rgb flux = direct.irradiance * scene.side_area(side);
-        records[kLampRecord] = {direct.wi, flux, lum(flux * scene.material(scene.triangle_of_side(side)).albedo_s(direct.cos))};
+        const Material& material = scene.material(scene.triangle_of_side(side));
+        for (int i = 0; i < kLampRecords; ++i) {
+            const DirectSample direct = sample_direct(accel, side, static_cast<uint32_t>(i), stream);
+            const Rgb flux = direct.irradiance * (scene.side_area(side) / kLampRecords);
+            records[i] = {direct.wi, flux, lum(flux * material.albedo_s(direct.cos))};
+        }
     });
 }
 

@@ -23,13 +23,14 @@ FrozenLight::FrozenLight(const Accel& accel, const DefensiveStarts& defensive, c
 uint64_t FrozenLight::step(const Accel& accel, const DefensiveStarts& defensive, const Illumination& light, const ShootConfig& config,
                            const Sink& sink) {
     light.refresh(key(config.stream, kLamps), emitters_);
-    shoot(accel, emitters_, defensive, {config.rays, config.defensive, key(config.stream, kShoot)}, transfers_);
+    const Shot shot(accel, emitters_, defensive, {config.rays, config.defensive, key(config.stream, kShoot)});
+    shoot(shot, transfers_);
     scatter(accel.scene(), transfers_, key(config.stream, kScatter), received_, next_);
-    sink({transfers_, received_, next_});
+    sink({transfers_, shot, received_, next_});
 
     // The records of this step are the next one's; its diffuse flux has been measured and is not fed back.
     for (size_t i = 0; i < next_.records.size(); ++i)
-        if (i % kRecords != kLampRecord) emitters_.records[i] = next_.records[i];
+        if (i % kRecords >= kLampRecords) emitters_.records[i] = next_.records[i];
     return transfers_.all.size();
 }
 

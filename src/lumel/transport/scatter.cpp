@@ -10,8 +10,6 @@ namespace lumel {
 
 namespace {
 
-constexpr int kDrawn = kRecords - 1;
-
 /// Light of one transfer with the adjoint factor of the shading normal, W, and its specular power.
 struct Incident {
     Rgb flux;
@@ -26,14 +24,14 @@ Incident incident(const Scene& scene, const Transfer& transfer, bool back, bool 
 
 /// Draw the records of one side: even steps through the running sum of specular power.
 void draw_records(const Scene& scene, const Transfers& transfers, uint32_t side, double power, uint64_t stream, std::span<Record> records) {
-    const double step = power / kDrawn;
+    const double step = power / kSurfaceRecords;
     double next = step * to_unit(static_cast<uint32_t>(key(stream, side) >> 32)), sum = 0;
     int drawn = 0;
     for (uint32_t i : transfers.group(side)) {
         const Transfer& transfer = transfers.all[i];
         const Incident light = incident(scene, transfer, scene.is_back(side), true);
-        for (sum += light.power; drawn < kDrawn && next < sum; next += step)
-            records[1 + drawn++] = {transfer.wi, light.flux * static_cast<float>(step / light.power), static_cast<float>(step)};
+        for (sum += light.power; drawn < kSurfaceRecords && next < sum; next += step)
+            records[kLampRecords + drawn++] = {transfer.wi, light.flux * static_cast<float>(step / light.power), static_cast<float>(step)};
     }
 }
 

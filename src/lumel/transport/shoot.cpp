@@ -12,46 +12,9 @@ namespace lumel {
 
 namespace {
 
-constexpr uint32_t kBlock = 2048;   // rays a work item
-constexpr int kMirrors = 64;        // a path in a hall of mirrors ends here at the latest
+constexpr uint32_t kBlock = 2048;  // rays a work item
 
 enum Stream : uint64_t { kPoint = 1, kDirection, kMirror, kOffset };
-
-/// The plan of one step: how many rays start where.
-struct Plan {
-    const Accel& accel;
-    const Emitters& emitters;
-    const DefensiveStarts& defensive;
-    const Scene& scene;
-    uint64_t stream;
-    Distribution by_power;           // over sides
-    uint32_t from_power = 0, from_defensive = 0, from_points = 0;  // rays of each kind, in this order
-    double rays_per_watt = 0;
-    float defensive_density = 0;     // n p_y / cos(theta_y) of the defensive part, 1/(m2 sr)
-    double point_power = 0;
-
-    Plan(const Accel& a, const Emitters& e, const DefensiveStarts& d, const ShootConfig& config)
-        : accel(a), emitters(e), defensive(d), scene(a.scene()), stream(config.stream) {
-        by_power = Distribution(scene.sides(), [&](uint32_t side) { return emitters.power(scene, side); });
-        if (emitters.point_lamps)
-            for (const PointLamp& lamp : scene.point_lamps()) point_power += 4 * kPi * lum(lamp.intensity);
-
-        // Rays go to surfaces and point lamps by power; the defensive part takes its share of the former.
-        const double power = by_power.total() + point_power;
-        const auto rays = static_cast<uint32_t>(std::min<uint64_t>(config.rays, 1u << 30));
-        if (!(power > 0)) return;
-        from_points = static_cast<uint32_t>(std::llround(rays * (point_power / power)));
-        const double surface = rays - from_points;
-        const double share = by_power.total() > 0 ? static_cast<double>(config.defensive) : 1.0;
-        if (defensive.area() > 0) from_defensive = static_cast<uint32_t>(std::llround(surface * share));
-        if (by_power.total() > 0) {
-            from_power = rays - from_points - from_defensive;
-            rays_per_watt = from_power / by_power.total();
-        }
-        if (defensive.area() > 0) defensive_density = static_cast<float>(from_defensive / (kPi * defensive.area()));
-    }
-    uint32_t rays() const { return from_power + from_defensive + from_points; }
-};
 
 /// A ray under way with what it carries. `inv_pdf` is 0 for light that has no density.
 struct Flight {
@@ -61,32 +24,32 @@ struct Flight {
 };
 
 /// Evaluate what leaves `y` along `w`: radiance over the density of all ways to shoot that very ray, the defensive one included.
-Flight launch(const Plan& plan, const SideSource& source, const Surface& y, Vec3 w) {
+Flight launch(const Shot& shot, uint32_t side, const SideSource& source, const Surface& y, Vec3 w) {
     const float cos = dot(y.normal, w);
     if (!(cos > 1e-6f)) return {};
     const SideSource::Emission e = source.evaluate(y, w);
-    const float inv_pdf = cos / (e.pdf_aw + plan.defensive_density * cos);
+    const float inv_pdf = cos / (e.pdf_aw + shot.defensive_density(side) * cos);
     if (!std::isfinite(inv_pdf)) return {};
-    return {{y.off(plan.scene.epsilon()), w}, e.radiance * inv_pdf, e.behind_mirror * inv_pdf, inv_pdf};
+    return {{y.off(shot.scene.epsilon()), w}, e.radiance * inv_pdf, e.behind_mirror * inv_pdf, inv_pdf};
 }
 
 /// A defensive ray from the sphere around an open scene; it carries no light.
-Flight launch_from_sky(const Plan& plan, Square point, Square direction) {
+Flight launch_from_sky(const Shot& shot, Square point, Square direction) {
     const Vec3 inward = -square_to_sphere(point);
     const Vec3 w = Frame(inward).to_world(square_to_cosine_hemisphere(direction));
-    return {{plan.scene.centre() - inward * plan.scene.radius(), w}, {}, {}, 1.0f / plan.defensive_density};
+    return {{shot.scene.centre() - inward * shot.scene.radius(), w}, {}, {}, 1.0f / shot.defensive_density()};
 }
 
-Flight launch_from_point_lamp(const Plan& plan, uint32_t index, double offset, Square direction) {
-    double at = (index + offset) / plan.from_points * plan.point_power;
+Flight launch_from_point_lamp(const Shot& shot, uint32_t index, double offset, Square direction) {
+    double at = (index + offset) / shot.from_points * shot.point_power;
     const PointLamp* lamp = nullptr;
-    for (const PointLamp& candidate : plan.scene.point_lamps()) {
+    for (const PointLamp& candidate : shot.scene.point_lamps()) {
         lamp = &candidate;
         if ((at -= 4 * kPi * lum(candidate.intensity)) < 0) break;
     }
-    const Rgb flux = lamp->intensity * static_cast<float>(plan.point_power / (plan.from_points * double{lum(lamp->intensity)}));
+    const Rgb flux = lamp->intensity * static_cast<float>(shot.point_power / (shot.from_points * double{lum(lamp->intensity)}));
     const Flight flight{{lamp->position, square_to_sphere(direction)}, {}, flux, 0};
-    return plan.emitters.point_lamps_direct ? Flight{flight.ray, flux, {}, 0} : flight;
+    return shot.emitters.point_lamps_direct ? Flight{flight.ray, flux, {}, 0} : flight;
 }
 
 /// The end of a flight on `side`; nothing where it neither carries light nor counts for a density.
@@ -97,11 +60,11 @@ Transfer arrive(const Scene& scene, const Hit& hit, const Flight& flight) {
 
 /// Follow a flight over perfect mirrors to the side where it is measured. Choosing between a surface's mirror and the rest
 /// of it, and roulette, multiply the density.
-Transfer follow(const Plan& plan, Flight flight, uint64_t stream, uint64_t& escaped, double& lost) {
-    const Scene& scene = plan.scene;
+Transfer follow(const Shot& shot, Flight flight, uint64_t stream, uint64_t& escaped, double& lost) {
+    const Scene& scene = shot.scene;
     std::optional<Rng> rng;
-    for (int mirrors = 0; mirrors < kMirrors; ++mirrors) {
-        const Hit hit = plan.accel.intersect(flight.ray);
+    for (int mirrors = 0; mirrors < kMostMirrors; ++mirrors) {
+        const Hit hit = shot.accel.intersect(flight.ray);
         if (hit.is_miss()) {
             ++escaped;
             lost += lum(flight.flux);
@@ -137,42 +100,42 @@ Transfer follow(const Plan& plan, Flight flight, uint64_t stream, uint64_t& esca
     return {};
 }
 
-/// Launch ray `index` of the plan. `source` is the side that the last ray of this work item came from.
+/// Launch ray `index` of the shot. `source` is the side that the last ray of this work item came from.
 class Launcher {
 public:
-    Launcher(const Plan& plan) : plan_(plan), offset_(to_unit(static_cast<uint32_t>(key(plan.stream, kOffset) >> 32))) {}
+    Launcher(const Shot& shot) : shot_(shot), offset_(to_unit(static_cast<uint32_t>(key(shot.stream, kOffset) >> 32))) {}
 
     Flight operator()(uint32_t index) {
-        const Square point = sobol2d(index, key(plan_.stream, kPoint)), direction = sobol2d(index, key(plan_.stream, kDirection));
-        if (index < plan_.from_power) return by_power(index, point, direction);
-        index -= plan_.from_power;
-        if (index < plan_.from_defensive) return by_area(index, point, direction);
-        return launch_from_point_lamp(plan_, index - plan_.from_defensive, offset_, direction);
+        const Square point = sobol2d(index, key(shot_.stream, kPoint)), direction = sobol2d(index, key(shot_.stream, kDirection));
+        if (index < shot_.from_power) return by_power(index, point, direction);
+        index -= shot_.from_power;
+        if (index < shot_.from_defensive) return by_area(index, point, direction);
+        return launch_from_point_lamp(shot_, index - shot_.from_defensive, offset_, direction);
     }
 
 private:
     /// Systematic choice: rays take even steps through the running sum of power, and so visit the sides in order.
     Flight by_power(uint32_t index, Square point, Square direction) {
-        const double at = (index + double{offset_}) / plan_.rays_per_watt;
-        go_to(plan_.by_power, at);
+        const double at = (index + double{offset_}) / shot_.rays_per_watt;
+        go_to(shot_.by_power, at);
         const Surface y = source_->draw_point(point);
-        return launch(plan_, *source_, y, source_->draw_direction(y, at - plan_.by_power.before(side_), direction));
+        return launch(shot_, side_, *source_, y, source_->draw_direction(y, at - shot_.by_power.before(side_), direction));
     }
     Flight by_area(uint32_t index, Square point, Square direction) {
-        const double at = (index + double{offset_}) / plan_.from_defensive * plan_.defensive.area();
-        if (at >= plan_.defensive.by_area.total()) return launch_from_sky(plan_, point, direction);
-        go_to(plan_.defensive.by_area, at);
+        const double at = (index + double{offset_}) / shot_.from_defensive * shot_.defensive.area();
+        if (at >= shot_.defensive.by_area.total()) return launch_from_sky(shot_, point, direction);
+        go_to(shot_.defensive.by_area, at);
         const Surface y = source_->draw_point(point);
-        return launch(plan_, *source_, y, SideSource::draw_cosine(y, direction));
+        return launch(shot_, side_, *source_, y, SideSource::draw_cosine(y, direction));
     }
     void go_to(const Distribution& distribution, double at) {
         const bool here = source_ && at < distribution.upto(side_) && at >= distribution.before(side_);
         if (here) return;
         side_ = distribution.find(at);
-        source_.emplace(plan_.scene, plan_.emitters, side_, plan_.rays_per_watt);
+        source_.emplace(shot_.scene, shot_.emitters, side_, shot_.rays_per_watt);
     }
 
-    const Plan& plan_;
+    const Shot& shot_;
     float offset_;
     uint32_t side_ = 0;
     std::optional<SideSource> source_;
@@ -180,27 +143,26 @@ private:
 
 }  // namespace
 
-void shoot(const Accel& accel, const Emitters& emitters, const DefensiveStarts& defensive, const ShootConfig& config, Transfers& transfers) {
-    const Plan plan(accel, emitters, defensive, config);
-    const uint32_t rays = plan.rays(), blocks = (rays + kBlock - 1) / kBlock;
+void shoot(const Shot& shot, Transfers& transfers) {
+    const uint32_t rays = shot.rays(), blocks = (rays + kBlock - 1) / kBlock;
     transfers.all.resize(rays);
-    transfers.rays = plan.from_power + plan.from_defensive;
+    transfers.rays = shot.from_power + shot.from_defensive;
     std::vector<uint64_t> escaped(blocks);
     std::vector<double> lost(blocks);
 
     // Every block of rays is a work item of its own: what a ray does depends on its index alone.
     tbb::parallel_for(uint32_t{0}, blocks, [&](uint32_t block) {
         const FlushDenormals flush;
-        Launcher launcher(plan);
+        Launcher launcher(shot);
         for (uint32_t i = block * kBlock; i < std::min(rays, (block + 1) * kBlock); ++i) {
             const Flight flight = launcher(i);
             const bool empty = flight.inv_pdf == 0 && max_component(flight.flux + flight.behind_mirror) == 0;
-            transfers.all[i] = empty ? Transfer{} : follow(plan, flight, key(plan.stream, i), escaped[block], lost[block]);
+            transfers.all[i] = empty ? Transfer{} : follow(shot, flight, key(shot.stream, i), escaped[block], lost[block]);
         }
     });
     transfers.escaped = 0, transfers.lost_flux = 0;
     for (uint32_t block = 0; block < blocks; ++block) transfers.escaped += escaped[block], transfers.lost_flux += lost[block];
-    transfers.group_by_side(accel.scene().sides());
+    transfers.group_by_side(shot.scene.sides());
 }
 
 }  // namespace lumel

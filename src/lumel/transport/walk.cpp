@@ -45,10 +45,11 @@ uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, const Illumi
             rays = fewest;
         }
         const auto count = static_cast<uint64_t>(rays);
-        shoot(accel, emitters, defensive, {count, config.defensive, key(config.stream, kShoot, generation)}, transfers);
+        const Shot step(accel, emitters, defensive, {count, config.defensive, key(config.stream, kShoot, generation)});
+        shoot(step, transfers);
         scatter(scene, transfers, key(config.stream, kScatter, generation), received, next);
         shot += transfers.all.size();
-        sink({transfers, received, next});
+        sink({transfers, step, received, next});
         std::swap(emitters, next);
         next.behind_mirror.clear();
         next.homogeneous = {};

@@ -18,6 +18,7 @@ struct WalkConfig {
 /// What one step of a transport made: its all, and the light that every side received in it, W.
 struct Generation {
     const Transfers& transfers;
+    const Sight& sight;                ///< to gather from the same step
     const std::vector<Rgb>& received;
     const Emitters& next;  ///< what of it is sent on
 };

@@ -1,0 +1,62 @@
+#include "lumel/transport/shot.h"
+
+#include "lumel/transport/side_source.h"
+
+namespace lumel {
+
+Shot::Shot(const Accel& a, const Emitters& e, const DefensiveStarts& d, const ShootConfig& config)
+    : accel(a), emitters(e), defensive(d), scene(a.scene()), stream(config.stream) {
+    by_power = Distribution(scene.sides(), [&](uint32_t side) { return emitters.power(scene, side); });
+    if (emitters.point_lamps)
+        for (const PointLamp& lamp : scene.point_lamps()) point_power += 4 * kPi * lum(lamp.intensity);
+    const double power = by_power.total() + point_power;
+    if (!(power > 0)) return;
+
+    // The defensive part takes its share of the rays from surfaces.
+    const auto rays = static_cast<uint32_t>(std::min<uint64_t>(config.rays, 1u << 30));
+    from_points = static_cast<uint32_t>(std::llround(rays * (point_power / power)));
+    const double surface = rays - from_points;
+    const double share = by_power.total() > 0 ? static_cast<double>(config.defensive) : 1.0;
+    if (defensive.area() > 0) from_defensive = static_cast<uint32_t>(std::llround(surface * share));
+    if (by_power.total() > 0) {
+        from_power = rays - from_points - from_defensive;
+        rays_per_watt = from_power / by_power.total();
+    }
+    if (defensive.area() > 0) defensive_density_ = static_cast<float>(from_defensive / (kPi * defensive.area()));
+}
+
+void Shot::see(std::span<const Look> looks, std::span<Seen> seen) const {
+    for (size_t i = 0; i < looks.size(); ++i) seen[i] = see(Ray{looks[i].origin, looks[i].direction});
+}
+
+Seen Shot::see(Ray ray) const {
+    Rgb tint{1, 1, 1};
+    float survive = 1;
+    for (int mirrors = 0; mirrors < kMostMirrors; ++mirrors) {
+        const Hit hit = accel.intersect(ray);
+        if (hit.is_miss()) return {{}, defensive.open() ? defensive_density_ * survive : 0.0f};
+        const Surface y(scene, hit.point(), hit.back);
+        const Vec3 w = -ray.direction;
+
+        // A perfect mirror sends the look on; étendue is conserved, and roulette on its tint multiplies the density.
+        if (y.scatters && y.material->mirror_choice() >= 1) {
+            const float cos = dot(y.shading, w);
+            const Vec3 out = reflect(w, y.shading);
+            if (!(cos > 0) || !(dot(out, y.normal) > 0)) return {};
+            const Rgb reflectance = y.material->mirror_reflectance(cos);
+            tint *= reflectance;
+            survive *= std::min(1.0f, max_component(reflectance));
+            ray = {y.off(scene.epsilon()), out};
+            continue;
+        }
+        const uint32_t side = scene.side_of(hit.point(), hit.back);
+        const float cos = dot(y.normal, w);
+        if (!(cos > 1e-6f)) return {};
+        const SideSource::Emission e = SideSource(scene, emitters, side, rays_per_watt).evaluate(y, w);
+        const Rgb radiance = mirrors > 0 ? e.radiance + e.behind_mirror : e.radiance;
+        return {radiance * tint, (e.pdf_aw / cos + defensive_density(side)) * survive};
+    }
+    return {};
+}
+
+}  // namespace lumel
