@@ -148,7 +148,8 @@ def _analyse(kinds: Sequence[Draw], n: int, n_g: int, batches: int, scalar: bool
     nodes = Nodes(flat("x"), flat("f"), flat("g"), flat("p"), flat("p_g"), 1 / q)
     prediction = predict_at(nodes, n, n_g, scalar=scalar, sampled=True)
     weights = nodes.g / q
-    squares = float((weights**2).sum())
+    largest = weights.max()
+    relative = weights / largest if largest > 0 else weights
     analysis = Analysis(
         estimates.classical,
         estimates.weighted,
@@ -156,8 +157,8 @@ def _analyse(kinds: Sequence[Draw], n: int, n_g: int, batches: int, scalar: bool
         prediction.mse,
         _support(sum_of([kind.g.sum(1) for kind in terms])),
         int((nodes.g > 0).sum()),
-        float(weights.sum()) ** 2 / squares if squares > 0 else 0.0,
-        float(weights.max()),
+        float(relative.sum() ** 2 / (relative**2).sum()) if largest > 0 else 0.0,
+        float(largest),
     )
     return analysis, prediction
 
@@ -175,6 +176,8 @@ def _improvement(samples: Samples) -> Estimate:
     """[WIS] eq. 4 less eq. 3, (2 R Cov(f/p, g/p) - R^2 Var(g/p)) / n with R = F/G, with its delta-method error over batches."""
     p = samples.shot.p[..., None]
     f, g = samples.shot.f / p, samples.shot.g[..., None] / p
+    unit = np.abs(f).max() or 1.0  # the error takes fourth powers: keep them in the range of floats
+    f = f / unit
     F, G = f.mean((0, 1)), g.mean((0, 1))
     R = F / G if G[0] > 0 else F
     u, v = f - F, g - G
@@ -187,4 +190,5 @@ def _improvement(samples: Samples) -> Estimate:
     error = standard_error(term.mean(1) - value)
     if int((samples.shot.g.sum(1) > 0).sum()) < 2:
         error = np.full_like(error, np.inf)
-    return Estimate(shaped(value / samples.n, samples.scalar), shaped(error / samples.n, samples.scalar), samples.batches - 1)
+    value, error = (shaped(unit**2 * part / samples.n, samples.scalar) for part in (value, error))
+    return Estimate(value, error, samples.batches - 1)

@@ -93,20 +93,20 @@ def estimate(kinds: Sequence[Terms], scalar: bool) -> PerEstimator[Estimate]:
 
 def _slope(kinds: Sequence[Terms], F_b: Array, G: Array, R: Array) -> tuple[Array, float]:
     """b = Cov(F, G) / Var(G) by the samples, and what the variance of F - b (G - 1) grows by because b is estimated, too."""
-    covariance, variance, count = np.zeros_like(R), 0.0, 0
+    covariance, variance, count = np.zeros_like(R), np.float64(0), 0
     for kind in kinds:  # each kind varies about its own mean: how many samples there are of it is not left to chance
         g = kind.g.reshape(-1, 1)
         f = kind.f.reshape(len(g), -1)
         g_rest = g - g.mean(0)
         covariance = covariance + (g_rest * (f - f.mean(0))).sum(0)
-        variance += float((g_rest**2).sum())
+        variance = variance + (g_rest**2).sum()
         count += len(g)
     scale = float(sum((kind.g**2).sum() for kind in kinds))
     if variance <= ROUNDING**2 * scale:
         return R, 1.0  # G is known without error: any b is right, and this one equals F/G
     # The textbook variance of a regression on count samples, at a G that is (G - 1) away from its mean.
-    off = float((G[0] * len(F_b) - len(F_b)) ** 2) / variance
-    return covariance / variance, (count - 1) / (count - 2) * (1 + off / count)
+    off = (G[0] * len(F_b) - len(F_b)) ** 2 / variance
+    return covariance / variance, float((count - 1) / (count - 2) * (1 + off / count))
 
 
 def standard_error(residual: Array) -> Array:

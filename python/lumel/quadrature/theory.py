@@ -79,7 +79,7 @@ class Nodes:
         above = (excess >= -slack) & (g > p) & (F != 0)
         below = (excess <= slack) & (g < p) & (F != 0)
         share = self.w * self.p
-        shares = [shaped(share @ np.broadcast_to(mask, above.shape) / share.sum(), scalar) for mask in (above, below, g == p)]
+        shares = [shaped((share[:, None] * mask).sum(0) / share.sum() * np.ones_like(F), scalar) for mask in (above, below, g == p)]
         return Conditions(self.x, above[:, 0] if scalar else above, below[:, 0] if scalar else below, *shares)
 
 
@@ -166,8 +166,8 @@ def predict_at(nodes: Nodes, n: int, n_g: int, *, scalar: bool, sampled: bool) -
         F, covered = R, 1.0
     else:
         # What samples never see stays as a bias for any n: F misses a part of f, and F/G converges to the mean over what is seen.
-        F = nodes.w @ nodes.f
-        total = float(nodes.w @ nodes.g)
+        F = (nodes.w[:, None] * nodes.f).sum(0)
+        total = float((nodes.w * nodes.g).sum())
         covered = G / total
         off = (moments.F - F, R * total - F, moments.F - moments.slope() * (G - total) - F)
         scale = covered if covered > 0 else 1.0
@@ -202,7 +202,7 @@ def _weights(weights: ArrayLike, n: int) -> Array:
 
 
 def _check_normalised(nodes: Nodes, more: dict[str, Array]) -> None:
-    totals = {name: float(nodes.w @ values) for name, values in ({"g": nodes.g, "p": nodes.p} | more).items()}
+    totals = {name: float((nodes.w * values).sum()) for name, values in ({"g": nodes.g, "p": nodes.p} | more).items()}
     wrong = [
         Problem(f"{name}: integrates to {total:.4g} over the points; allowed: 1 within {OFF_BY:.0%} (a finer grid?)")
         for name, total in totals.items()
