@@ -12,6 +12,7 @@ import pytest
 
 from lumel.cli import app
 from lumel.images import read_picture
+from lumel.scene import FloatArray
 from running import BALL, ROOM, SMALL, Ran, camera, floor, lamp, run, scene
 
 OLD = b"the picture of yesterday"
@@ -163,7 +164,7 @@ def test_bad_flags_settings_and_outputs_are_named_together(refused: Refused) -> 
     flags = "--rays many --transport wlk --seed -1 --defensive 2 --layers direkt --time -3 --threads 9999 --size 1x -D x"
     ran = refused("room.xml", *flags.split(), output="out.gif")
     assert ran.code == 2
-    for part in (
+    said = (
         "'many'",
         "'wlk'",
         "seed is -1",
@@ -174,7 +175,8 @@ def test_bad_flags_settings_and_outputs_are_named_together(refused: Refused) -> 
         "'1x'",
         "'x'",
         ".gif",
-    ):
+    )
+    for part in said:
         assert part in ran.err
     assert len(ran.err.splitlines()) == len(said)
 
@@ -220,7 +222,7 @@ def test_full_disk_keeps_the_old_picture(folder: Path) -> None:
     assert sorted(path.name for path in folder.iterdir()) == before
 
 
-def accepted(folder: Path, text: str, *args: str) -> tuple[str, np.ndarray]:
+def accepted(folder: Path, text: str, *args: str) -> tuple[str, FloatArray]:
     """Render `text`; gives what was said and the picture."""
     (folder / "s.xml").write_text(text)
     ran = run("render", "s.xml", *SMALL, *args, "-o", "s.exr", cwd=folder)

@@ -34,7 +34,7 @@ def _obj(data: bytes, path: Path) -> Surface:
 def _ply(data: bytes, path: Path) -> Surface:
     from trimesh.exchange.ply import load_ply
 
-    if b"end_header" not in data:
+    if data.startswith(b"ply") and b"end_header" not in data:
         raise SceneError(f"cannot read '{path}' as PLY: its header has no end")
     content = _guarded(load_ply, data, path, fix_texture=False)
     declared = content.get("metadata", {}).get("_ply_raw", {})
