@@ -48,13 +48,14 @@ def render(
     """Render `scene` by shooting light.
 
     transport: `rays` (shoot from a solved state) or `walk` (random walks from the lights). areas: `patches`. estimator: `weighted` or
-    `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene). gather: gathering rays for every glossy patch
-    in view per 2^20 shooting rays, under one density with them (None: 16 for `weighted`, 0 for `classical`). first_shot: compute direct light apart.
-    One budget: rays (shooting rays), time (s, from `started` until the picture is complete) or error (relative);
-    with none, `quality` (draft, medium, high) sets the work. patches: how many, about. camera: a name, `all`, or None for the
-    first. size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have. progress is
-    called now and then; interrupted is asked between steps, and True ends the work early with a valid result.
-    started: time.monotonic() of when the files were read. Equal seed and rays give equal bytes for any number of threads.
+    `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene and estimator). gather: gathering rays for
+    every glossy patch in view per 2^20 shooting rays, under one density with them (None: 16 for `weighted`, 0 for `classical`).
+    first_shot: compute direct light apart. One budget: rays (shooting rays), time (s, from `started` until the picture is
+    complete) or error (relative); with none, `quality` (draft, medium, high) sets the work. patches: how many, about.
+    camera: a name, `all`, or None for the first. size: (width, height) in pixels. threads: 0 for all. layers: names that
+    the result must have. progress is called now and then; interrupted is asked between steps, and True ends the work
+    early with a valid result. started: time.monotonic() of when the files were read. Equal seed and rays give equal
+    bytes for any number of threads.
 
     Raises SettingsError or SceneError with all that is wrong.
     """

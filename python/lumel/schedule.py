@@ -17,7 +17,10 @@ FEWEST_REPLICAS = 4
 RAYS_PER_REPLICA = 100_000  # below this, fewer replicas are better
 RAYS_PER_STEP = 1 << 20  # shot between two looks at the clock
 SOLVE_SHARE = 0.25  # of a replica's rays, for its own solution by power (transport `rays`)
-SHOOT_SHARE = 0.6  # of the time that is left after the scene is ready
+SHOOT_SHARE = 0.6  # of the time that is left after the scene is ready, while nothing is known of it
+LOOK_AFTER = 3  # replicas, a first look at the pictures divides the time
+LOOK_SAMPLES = 2  # a pixel and pass of that look
+SHORTEST_LOOK = 1.0  # s that must be left for a look to pay
 PASS_SAMPLES = 8  # eye samples a pixel between two looks at the clock
 FEWEST_PASSES = 2  # the spread of the passes is part of the error bars
 
@@ -51,23 +54,26 @@ class Schedule:
         self._see(samples)
 
     def by_time(self, seconds: float) -> None:
-        """Shoot and see until `seconds` after the start."""
+        """Shoot and see until `seconds` after the start. The share of each follows from what it brought in a first look."""
         end = self.started + seconds
         begin = time.monotonic()
-        shooting = max(0.0, end - begin) * SHOOT_SHARE
+        stop = begin + max(0.0, end - begin) * SHOOT_SHARE
         replicas, replica = 1, 0
         while replica < replicas and not (replica > 0 and self._stop()):
             # The start of the first replica tells what a start costs, and its first step how fast rays are.
             before = time.monotonic()
-            slot = shooting / replicas
+            slot = max(0.0, stop - before) / (replicas - replica)
             self._begin(self._pilot_rays(seconds) if replica == 0 else int(slot * self._step_speed * SOLVE_SHARE))
             if replica == 0:
                 started = time.monotonic() - before
                 self._step(self._pilot_rays(seconds))
-                replicas = self._replicas(int(shooting * self._step_speed), int(shooting / 4 / max(started, 1e-3)))
-            self._steps_until(begin + shooting * (replica + 1) / replicas, end)
+                replicas = self._replicas(int((stop - begin) * self._step_speed), int((stop - begin) / 4 / max(started, 1e-3)))
+                slot = (stop - begin) / replicas
+            self._steps_until(before + slot, end)
             self.session.end_replica()
             replica += 1
+            if replica == LOOK_AFTER and replicas > LOOK_AFTER:
+                stop = begin + (end - begin) * self._shoot_share(end)
         self.session.reconstruct()
         self._see_until(end)
 
@@ -186,6 +192,22 @@ class Schedule:
             self._tell("eye", min(1.0, (now - self.started) / (end - self.started)))
             if done >= FEWEST_PASSES and (self._stop() or now + 0.7 * seconds > end):
                 return
+
+    def _shoot_share(self, end: float) -> float:
+        """The share of the time for shooting that makes the sum of both squared errors least, as a first look at the pictures tells.
+
+        With errors that fall as 1/time, shooting and seeing should take times in proportion to the square roots of error^2 time.
+        """
+        if end - time.monotonic() < SHORTEST_LOOK:
+            return SHOOT_SHARE
+        self.session.reconstruct()
+        seeing = sum(self._pass(LOOK_SAMPLES) for _ in range(FEWEST_PASSES))
+        if seeing > 0.1 * (end - self.started):
+            return SHOOT_SHARE
+        solution, eye = self.errors()
+        self.error = math.hypot(solution, eye)
+        shoot, see = solution * math.sqrt(self._shooting_s), eye * math.sqrt(seeing)
+        return min(0.85, max(0.25, shoot / (shoot + see))) if shoot + see > 0 else SHOOT_SHARE
 
     def _pass(self, samples: int) -> float:
         """One pass for every camera; gives the seconds that it took."""

@@ -16,6 +16,9 @@ Estimator = Annotated[
     str | None, typer.Option("--estimator", metavar="classical|weighted", help="How samples become radiance; weighted by default.")
 ]
 Defensive = Annotated[float | None, typer.Option("--defensive", metavar="SHARE", help="Share of the rays, 0 to 1, that start anywhere.")]
+Gather = Annotated[
+    float | None, typer.Option("--gather", metavar="N", help="Gathering rays for every area per 2^20 shooting rays; 0 for none.")
+]
 FirstShot = Annotated[
     bool | None, typer.Option("--first-shot/--no-first-shot", help="Replace lamps by their first reflection; on by default.")
 ]

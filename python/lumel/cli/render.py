@@ -27,6 +27,7 @@ def render(
     areas: options.Areas = None,
     estimator: options.Estimator = None,
     defensive: options.Defensive = None,
+    gather: options.Gather = None,
     first_shot: options.FirstShot = None,
     rays: options.Rays = None,
     time: options.Time = None,
@@ -51,7 +52,7 @@ def render(
     wanted = values.layers(layers, problems)
     budgets = {"rays": values.count("--rays", rays, problems), "time": time, "error": error}
     settings: dict[str, Any] = {
-        "transport": transport, "areas": areas, "estimator": estimator, "defensive": defensive, "first_shot": first_shot,
+        "transport": transport, "areas": areas, "estimator": estimator, "defensive": defensive, "gather": gather, "first_shot": first_shot,
         "patches": values.count("--patches", patches, problems), "quality": quality,
         "camera": camera, "size": values.size(size, problems), "layers": wanted, "seed": seed, "threads": threads,
     }  # fmt: skip

@@ -9,7 +9,7 @@ namespace {
 enum Stream : uint64_t { kSurvey = 41, kEye };
 
 // Shares of defensive rays where none is given: what a lobe sees of the sky and of black surfaces is not covered without them.
-constexpr float kDefensiveClosed = 0.1f, kDefensiveOpen = 0.3f;
+constexpr float kDefensiveClosed = 0.3f, kDefensiveOpen = 0.5f;
 
 std::vector<Vec3> eyes_of(const std::vector<Camera>& cameras) {
     std::vector<Vec3> eyes;
@@ -22,7 +22,9 @@ std::vector<Vec3> eyes_of(const std::vector<Camera>& cameras) {
 Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& config)
     : scene_(std::move(scene)), accel_(scene_), lattice_(scene_), defensive_(survey(accel_, key(config.solver.seed, kSurvey))),
       cameras_(std::move(cameras)), config_(config) {
-    if (config_.solver.defensive < 0) config_.solver.defensive = defensive_.open() ? kDefensiveOpen : kDefensiveClosed;
+    // Gathered samples cover all that a lobe can see, and `classical` asks for no cover.
+    const bool covered = config_.solver.gather > 0 || config_.estimator == find_estimator("classical");
+    if (config_.solver.defensive < 0) config_.solver.defensive = covered ? 0 : defensive_.open() ? kDefensiveOpen : kDefensiveClosed;
     solver_.emplace(accel_, defensive_, config_.solver,
                     PatchAreas(scene_, eyes_of(cameras_), visible_glossy_sides(accel_, lattice_, cameras_)));
 }
