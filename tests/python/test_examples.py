@@ -15,6 +15,7 @@ RUNS = {
     "render_file.py": (["lumel:cornell", "1"], ["scene.exr", "scene.png"]),
     "from_arrays.py": (["1"], ["sheet.png"]),
     "many_cameras.py": (["2", "3"], ["view0.png", "view1.png"]),
+    "quadrature.py": (["20"], ["quadrature.png"]),
 }
 
 

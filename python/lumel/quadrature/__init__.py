@@ -17,20 +17,23 @@ from __future__ import annotations
 from .comparison import Analysis, Comparison, Support, analyse, compare
 from .estimates import Estimate, PerEstimator
 from .repeat import Experiment, Measured, experiment
-from .samples import Draw, Samples, draw
+from .samples import Array, Draw, Function, Sampler, Samples, draw
 from .student import t_probability, t_quantile
 from .theory import Conditions, Prediction, grid, predict
 
 __all__ = [
     "Analysis",
+    "Array",
     "Comparison",
     "Conditions",
     "Draw",
     "Estimate",
     "Experiment",
+    "Function",
     "Measured",
     "PerEstimator",
     "Prediction",
+    "Sampler",
     "Samples",
     "Support",
     "analyse",
