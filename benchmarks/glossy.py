@@ -21,6 +21,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--time", type=float, default=20, help="seconds for each estimator")
     parser.add_argument("--reference", type=float, default=8, help="rays of the reference, in those of the longer run")
+    parser.add_argument("--truth", default="weighted", choices=("classical", "weighted"), help="estimator of the reference")
     parser.add_argument("--patches", type=int, help="about how many patches")
     parser.add_argument("name", nargs="?", default="bust", metavar="SCENE", help="a reference scene or a built-in one")
     arguments = parser.parse_args()
@@ -30,7 +31,7 @@ def main() -> None:
     runs = {e: lumel.render(scene, estimator=e, time=arguments.time, patches=arguments.patches) for e in ("classical", "weighted")}
     rays = {e: int(str(run.stats["rays"])) for e, run in runs.items()}
     most = int(arguments.reference * max(rays.values()))
-    truth = lumel.render(scene, estimator="classical", rays=most, seed=1, patches=arguments.patches)
+    truth = lumel.render(scene, estimator=arguments.truth, rays=most, seed=1, patches=arguments.patches)
 
     # A glossy pixel is one that has such light in the truth.
     R = truth.layer(LAYER).astype(np.float64)
