@@ -14,7 +14,7 @@ from .scene import Camera, Scene
 
 TRANSPORTS = ("rays", "walk")
 AREAS = ("patches",)
-ESTIMATORS = ("classical", "weighted")
+ESTIMATORS = ("classical", "weighted", "regression", "auto")
 GATHER = 16.0  # gathering rays an area and 2^20 shooting rays, where the estimator divides by their density
 LARGEST_PICTURE = 32_768  # pixels a side
 BYTES_PER_PIXEL = 450  # of memory, for each camera
@@ -77,7 +77,7 @@ class Settings:
         """Gathering rays for every measured area per 2^20 shooting rays."""
         if self.gather is not None:
             return self.gather
-        return GATHER if self.estimator == "weighted" else 0.0
+        return 0.0 if self.estimator == "classical" else GATHER
 
     def thread_count(self) -> int:
         """Threads to work with: 0 means as many as this process may use."""

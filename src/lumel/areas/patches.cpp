@@ -66,16 +66,16 @@ void PatchAreas::measure_shot(const Step& step, uint32_t area) {
             const Vec3 wo = frame.to_local(normalize(eyes_[eye] - x.x));
             const Rgb scatter = x.material->scatter_s(wi, wo);
             Sums& sums = current_[at(eye, area)];
-            sums.hits += 1;
             if (!(transfer.inv_pdf > 0)) {
                 sums.plain += to_double(scatter) * to_double(transfer.flux) * (step.weight / double{cos});
+                ++sums.hits;
                 continue;
             }
             // Divide by cos/inv_pdf = n_s p and n_g p_g together; with nothing gathered this is the plain quotient.
             const float gathered = gather_density > 0 ? gather_density * ggx::pdf_w(wo, wi, x.material->alpha) : 0.0f;
             const double share = 1.0 / (double{cos} + double{gathered} * double{transfer.inv_pdf});
-            sums.f += to_double(scatter) * to_double(transfer.flux) * (step.weight * share);
-            sums.g += static_cast<double>(step.transfers.rays) * double{transfer.inv_pdf} * double{lum(scatter)} * share;
+            sums.add(to_double(scatter) * to_double(transfer.flux) * (step.weight * share),
+                     static_cast<double>(step.transfers.rays) * double{transfer.inv_pdf} * double{lum(scatter)} * share);
         }
     }
 }
@@ -111,9 +111,8 @@ void PatchAreas::measure_gathered(const Step& step, uint32_t area, uint32_t eye)
         step.sight.see(std::span(looks).first(n), std::span(seen).first(n));
         for (uint32_t i = 0; i < n; ++i) {
             const double q = double{seen[i].density} * double{cos[i]} + double{gather_density} * double{pdf[i]};
-            sums.f += to_double(scatter[i]) * to_double(seen[i].radiance) * (step.weight / q);
-            sums.g += static_cast<double>(step.transfers.rays) * double{lum(scatter[i])} / q;
-            sums.hits += 1;
+            sums.add(to_double(scatter[i]) * to_double(seen[i].radiance) * (step.weight / q),
+                     static_cast<double>(step.transfers.rays) * double{lum(scatter[i])} / q);
         }
     }
 }
@@ -126,6 +125,7 @@ void PatchAreas::close_replica(double weight, double rays) {
         Moments& m = closed_[i];
         m.f += f, m.plain += plain, m.ff += f * f, m.fg += f * g, m.plain2 += plain * plain;
         m.g += g, m.gg += g * g, m.hits += s.hits;
+        if (weight > 0 && rays > 0) m.single_fg += s.fg * (1 / (weight * rays)), m.single_gg += s.gg / (rays * rays);
         current_[i] = {};
     }
     ++replicas_;
@@ -134,7 +134,7 @@ void PatchAreas::close_replica(double weight, double rays) {
 Samples PatchAreas::unscaled(uint32_t eye, uint32_t area) const {
     const Moments& m = closed_[at(eye, area)];
     const double r = replicas_;
-    Samples s{.f = m.f * (1 / r), .g = m.g / r, .plain = m.plain * (1 / r), .var_f = {}, .cov_fg = {}, .var_plain = {}, .var_g = 0, .hits = m.hits};
+    Samples s{.f = m.f * (1 / r), .g = m.g / r, .plain = m.plain * (1 / r), .fg = m.single_fg * (1 / (r * r)), .gg = m.single_gg / (r * r), .hits = m.hits};
     if (replicas_ < 2) return s;
     const double scale = 1 / (r * (r - 1));
     s.var_f = (m.ff - m.f * m.f * (1 / r)) * scale;
@@ -151,7 +151,11 @@ Samples PatchAreas::samples(uint32_t eye, uint32_t area) const {
 
 Samples scaled(const Samples& u, double area, double albedo_area) {
     const double f = area > 0 ? 1 / area : 0, g = albedo_area > 0 ? 1 / albedo_area : 0;
-    return {u.f * f, u.g * g, u.plain * f, u.var_f * (f * f), u.cov_fg * (f * g), u.var_plain * (f * f), u.var_g * (g * g), u.hits};
+    Samples s = u;
+    s.f = u.f * f, s.g = u.g * g, s.plain = u.plain * f;
+    s.var_f = u.var_f * (f * f), s.cov_fg = u.cov_fg * (f * g), s.var_plain = u.var_plain * (f * f), s.var_g = u.var_g * (g * g);
+    s.fg = u.fg * (f * g), s.gg = u.gg * (g * g);
+    return s;
 }
 
 }  // namespace lumel

@@ -49,13 +49,18 @@ public:
 
 private:
     struct Sums {
-        Rgb64 f, plain;
-        double g = 0;
+        Rgb64 f, plain, fg;
+        double g = 0, gg = 0;
         uint64_t hits = 0;
+
+        void add(Rgb64 df, double dg) {
+            f += df, fg += df * dg, g += dg, gg += dg * dg;
+            ++hits;
+        }
     };
     struct Moments {
-        Rgb64 f, plain, ff, fg, plain2;
-        double g = 0, gg = 0;
+        Rgb64 f, plain, ff, fg, plain2, single_fg;
+        double g = 0, gg = 0, single_gg = 0;
         uint64_t hits = 0;
     };
     size_t at(uint32_t eye, uint32_t area) const { return size_t{area} * eyes_.size() + eye; }

@@ -2,7 +2,9 @@
 
 #include <array>
 
+#include "lumel/estimators/auto.h"
 #include "lumel/estimators/classical.h"
+#include "lumel/estimators/regression.h"
 #include "lumel/estimators/weighted.h"
 
 namespace lumel {
@@ -12,6 +14,8 @@ namespace {
 constexpr std::array kEstimators{
     Estimator{"classical", "mean of f/p; unbiased", classical},
     Estimator{"weighted", "ratio of the means of f/p and g/p; consistent, far less noise on gloss", weighted},
+    Estimator{"regression", "f/p corrected by g/p with the best coefficient of the area's own samples; consistent", regression},
+    Estimator{"auto", "corrected by g/p as the neighbours of each area recommend; consistent, never far from the best", automatic},
 };
 
 }  // namespace

@@ -13,9 +13,11 @@ namespace lumel {
 struct Samples {
     Rgb64 f;        ///< F = mean(f/p), W/(m2 sr)
     double g = 0;   ///< G = mean(g/p), 1 in the limit where p covers g
-    Rgb64 plain;    ///< mean of samples that have no density, W/(m2 sr); outside every ratio
-    Rgb64 var_f, cov_fg, var_plain;
+    Rgb64 plain{};  ///< mean of samples that have no density, W/(m2 sr); outside every ratio
+    Rgb64 var_f{}, cov_fg{}, var_plain{};
     double var_g = 0;
+    Rgb64 fg{};         ///< sum over samples of the product of what each adds to F and to G,
+    double gg = 0;      ///< and of the square of what it adds to G: moments of single samples, to find coefficients with
     uint64_t hits = 0;  ///< samples that are not 0
 };
 
@@ -25,12 +27,22 @@ struct Estimate {
     bool valid = true;  ///< false: the area had no sample and the value is a stand-in
 };
 
-/// One way to turn samples into a radiance.
+/// One way to turn samples into a radiance. `around` are the pooled samples of the areas around this one, itself left out.
 struct Estimator {
     std::string_view name;
     std::string_view summary;
-    Estimate (*estimate)(const Samples&);
+    Estimate (*rule)(const Samples& own, const Samples& around);
+
+    Estimate estimate(const Samples& own, const Samples& around) const { return rule(own, around); }
+    /// For an area that has no neighbours.
+    Estimate estimate(const Samples& own) const { return rule(own, {}); }
 };
+
+/// Variance of F - b (G - 1) to first order, with b as a constant.
+constexpr Rgb64 control_variance(const Samples& s, Rgb64 b) {
+    const Rgb64 v = s.var_f - b * s.cov_fg * 2.0 + b * b * s.var_g;
+    return {v.x > 0 ? v.x : 0, v.y > 0 ? v.y : 0, v.z > 0 ? v.z : 0};
+}
 
 /// All estimators, by name.
 std::span<const Estimator> estimators();

@@ -1,10 +1,12 @@
 #include "lumel/eye/reconstruction.h"
 
+#include <tbb/parallel_for.h>
+
 namespace lumel {
 
 namespace {
 
-constexpr int kRings = 8;  // a vertex without a sample looks this many patches far for one
+constexpr uint64_t kEnoughAround = 32;  // hits that neighbours should have together
 
 Rgb square_root(Rgb v) { return {std::sqrt(v.x), std::sqrt(v.y), std::sqrt(v.z)}; }
 
@@ -14,24 +16,19 @@ struct Pool {
     double area = 0, albedo_area = 0;
 
     void add(const Samples& s, double a, double aa) {
-        sums.f += s.f, sums.plain += s.plain, sums.g += s.g, sums.hits += s.hits;
+        sums.f += s.f, sums.plain += s.plain, sums.g += s.g, sums.hits += s.hits, sums.fg += s.fg, sums.gg += s.gg;
         sums.var_f += s.var_f, sums.cov_fg += s.cov_fg, sums.var_plain += s.var_plain, sums.var_g += s.var_g;
         area += a, albedo_area += aa;
     }
-    void add(const Pool& other) { add(other.sums, other.area, other.albedo_area); }
+    Samples samples() const { return scaled(sums, area, albedo_area); }
 };
 
 }  // namespace
 
 Reconstruction::Reconstruction(const Scene& scene, const Lattice& lattice, const Solution& solution, const Estimator& estimator)
-    : scene_(&scene), lattice_(&lattice), specular_slot_(size_t{lattice.size()} * 2, Scene::kNone), specular_(solution.areas.eyes()) {
+    : scene_(&scene), lattice_(&lattice), neighbourhood_(scene, lattice, solution.areas), specular_(solution.areas.eyes()) {
     gather_irradiance(solution.indirect, solution.direct);
-    for (uint32_t side : solution.areas.sides())
-        for (uint32_t vertex : lattice.corners(scene.patch_of_side(side))) {
-            uint32_t& slot = specular_slot_[vertex_side(vertex, scene.is_back(side))];
-            if (slot == Scene::kNone) slot = slots_++;
-        }
-    for (uint32_t eye = 0; eye < solution.areas.eyes(); ++eye) gather_specular(solution.areas, estimator, eye);
+    for (uint32_t eye = 0; eye < solution.areas.eyes(); ++eye) estimate_specular(solution.areas, estimator, eye);
 }
 
 void Reconstruction::gather_irradiance(const SideField& indirect, const SideField& direct) {
@@ -57,44 +54,30 @@ void Reconstruction::gather_irradiance(const SideField& indirect, const SideFiel
     }
 }
 
-void Reconstruction::gather_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye) {
-    std::vector<Pool> pools(slots_);
-    const auto slots_of = [&](uint32_t area) {
-        const uint32_t side = areas.sides()[area];
-        auto slots = lattice_->corners(scene_->patch_of_side(side));
-        for (uint32_t& slot : slots) slot = specular_slot_[vertex_side(slot, scene_->is_back(side))];
-        return slots;
+void Reconstruction::estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye) {
+    const auto pool = [&](std::span<const uint32_t> of) {
+        Pool pool;
+        for (uint32_t area : of) {
+            const double size = scene_->side_area(areas.sides()[area]);
+            if (areas.albedo(eye, area) > 0) pool.add(areas.unscaled(eye, area), size, size * areas.albedo(eye, area));
+        }
+        return pool;
     };
-    for (uint32_t area = 0; area < areas.size(); ++area) {
-        const double albedo = areas.albedo(eye, area), size = scene_->side_area(areas.sides()[area]);
-        if (!(albedo > 0)) continue;
-        for (uint32_t slot : slots_of(area)) pools[slot].add(areas.unscaled(eye, area), size, size * albedo);
-    }
+    const auto enough = [&](std::span<const uint32_t> found) { return pool(found).sums.hits >= kEnoughAround; };
+    specular_[eye].resize(neighbourhood_.slots());
+    std::vector<uint8_t> borrowed(neighbourhood_.slots()), unfilled(neighbourhood_.slots());
+    tbb::parallel_for(uint32_t{0}, neighbourhood_.slots(), [&](uint32_t slot) {
+        const auto centre = neighbourhood_.own(slot);
+        const Pool own = pool(centre), around = pool(neighbourhood_.around(centre, enough));
 
-    // Vertices without a sample take the pools of the patches around them, ring by ring.
-    for (int ring = 0; ring < kRings; ++ring) {
-        std::vector<std::pair<uint32_t, Pool>> found;
-        for (uint32_t area = 0; area < areas.size(); ++area) {
-            const auto slots = slots_of(area);
-            for (uint32_t empty : slots) {
-                if (pools[empty].sums.hits > 0) continue;
-                for (uint32_t other : slots)
-                    if (pools[other].sums.hits > 0) found.emplace_back(empty, pools[other]);
-            }
-        }
-        if (found.empty()) break;
-        for (const auto& [empty, pool] : found) {
-            if (pools[empty].sums.hits == 0) pools[empty] = {}, ++borrowed_;
-            pools[empty].add(pool);
-        }
-    }
-    specular_[eye].resize(slots_);
-    for (uint32_t slot = 0; slot < slots_; ++slot) {
-        const Pool& pool = pools[slot];
-        if (pool.sums.hits == 0) ++unfilled_;
-        const Estimate e = estimator.estimate(scaled(pool.sums, pool.area, pool.albedo_area));
+        // A vertex without a sample takes those around it.
+        borrowed[slot] = own.sums.hits == 0 && around.sums.hits > 0;
+        unfilled[slot] = own.sums.hits == 0 && around.sums.hits == 0;
+        const Estimate e = estimator.estimate((borrowed[slot] ? around : own).samples(), around.samples());
         specular_[eye][slot] = {e.value.to_float(), square_root(e.variance.to_float())};
-    }
+    });
+    borrowed_ += static_cast<uint32_t>(std::count(borrowed.begin(), borrowed.end(), 1));
+    unfilled_ += static_cast<uint32_t>(std::count(unfilled.begin(), unfilled.end(), 1));
 }
 
 Reconstructed Reconstruction::irradiance(SurfacePoint p, bool back) const {
@@ -123,7 +106,7 @@ Reconstructed Reconstruction::specular(uint32_t eye, SurfacePoint p, bool back) 
     Reconstructed r;
     float weight = 0;
     for (int k = 0; k < 3; ++k) {
-        const uint32_t slot = specular_slot_[vertex_side(s.vertex[k], back)];
+        const uint32_t slot = neighbourhood_.slot(s.vertex[k], back);
         if (slot == Scene::kNone) continue;
         weight += s.weight[k];
         r.value += specular_[eye][slot].value * s.weight[k];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lumel/areas/irradiance.h"
+#include "lumel/areas/neighbourhood.h"
 #include "lumel/areas/patches.h"
 #include "lumel/scene/lattice.h"
 
@@ -38,15 +39,15 @@ public:
 
 private:
     void gather_irradiance(const SideField& indirect, const SideField& direct);
-    void gather_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye);
+    void estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye);
     uint32_t vertex_side(uint32_t vertex, bool back) const { return vertex + (back ? lattice_->size() : 0); }
 
     const Scene* scene_;
     const Lattice* lattice_;
     std::vector<Rgb> irradiance_, irradiance_stderr_, direct_;   // per vertex and side
-    std::vector<uint32_t> specular_slot_;                        // per vertex and side: place in the next, or Scene::kNone
-    std::vector<std::vector<Reconstructed>> specular_;           // per eye
-    uint32_t slots_ = 0, borrowed_ = 0, unfilled_ = 0;
+    Neighbourhood neighbourhood_;
+    std::vector<std::vector<Reconstructed>> specular_;           // per eye and slot of the neighbourhood
+    uint32_t borrowed_ = 0, unfilled_ = 0;
 };
 
 }  // namespace lumel

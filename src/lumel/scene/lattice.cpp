@@ -18,8 +18,9 @@ public:
         uint32_t material, next;
     };
 
-    Welder(const Scene& scene, size_t points)
-        : lower_(scene.centre() - Vec3{1, 1, 1} * scene.radius()), cell_(scene.radius() * 3.7e-5f), tolerance_(scene.radius() * 3e-6f),
+    /// `same_normal`: least cosine between normals that are welded.
+    Welder(const Scene& scene, size_t points, float same_normal)
+        : same_normal_(same_normal), lower_(scene.centre() - Vec3{1, 1, 1} * scene.radius()), cell_(scene.radius() * 3.7e-5f), tolerance_(scene.radius() * 3e-6f),
           heads_(std::bit_ceil(points + 1), Scene::kNone) {}
 
     uint32_t weld(Vec3 x, Vec3 normal, uint32_t material) {
@@ -35,7 +36,7 @@ public:
                     for (uint32_t v = heads_[slot(i, j, k)]; v != Scene::kNone; v = vertices_[v].next) {
                         const Vertex& vertex = vertices_[v];
                         const Vec3 d = vertex.x - x;
-                        if (vertex.material == material && dot(d, d) <= sqr(tolerance_) && dot(vertex.normal, normal) > kSameNormal) return v;
+                        if (vertex.material == material && dot(d, d) <= sqr(tolerance_) && dot(vertex.normal, normal) >= same_normal_) return v;
                     }
         const auto id = static_cast<uint32_t>(vertices_.size());
         const auto at = [&](int axis) { return static_cast<int64_t>(std::floor((x[axis] - lower_[axis]) / cell_)); };
@@ -45,11 +46,13 @@ public:
         return id;
     }
     uint32_t size() const { return static_cast<uint32_t>(vertices_.size()); }
+    const std::vector<Vertex>& vertices() const { return vertices_; }
 
 private:
     size_t slot(int64_t i, int64_t j, int64_t k) const {
         return key(static_cast<uint64_t>(i), static_cast<uint64_t>(j), static_cast<uint64_t>(k)) & (heads_.size() - 1);
     }
+    float same_normal_;
     Vec3 lower_;
     float cell_, tolerance_;
     std::vector<uint32_t> heads_;
@@ -65,7 +68,7 @@ Lattice::Lattice(const Scene& scene) : scene_(&scene) {
         points += lattice_size(scene.divisions(t));
     }
     vertex_.resize(points);
-    Welder welder(scene, points);
+    Welder welder(scene, points, kSameNormal);
     for (uint32_t t = 0; t < scene.triangles(); ++t) {
         const uint32_t n = scene.divisions(t);
         for (uint32_t j = 0; j <= n; ++j)
@@ -75,6 +78,9 @@ Lattice::Lattice(const Scene& scene) : scene_(&scene) {
             }
     }
     size_ = welder.size();
+    Welder places(scene, size_, -2.0f);
+    for (const Welder::Vertex& vertex : welder.vertices()) place_.push_back(places.weld(vertex.x, vertex.normal, 0));
+    places_ = places.size();
 }
 
 Lattice::Stencil Lattice::stencil(SurfacePoint p) const {

@@ -19,6 +19,9 @@ public:
         for (int k = 0; k < 3; ++k) ids[k] = vertex_[first_[triangle] + lattice_index(n, points[k][0], points[k][1])];
         return ids;
     }
+    /// Vertices at one place have the same number here, however the surface bends there.
+    uint32_t place(uint32_t vertex) const { return place_[vertex]; }
+    uint32_t places() const { return places_; }
     /// Corners and weights (they sum to 1) that interpolate at a point.
     struct Stencil {
         uint32_t patch;
@@ -31,7 +34,8 @@ private:
     const Scene* scene_;
     std::vector<uint32_t> first_;   // per triangle: its first lattice point
     std::vector<uint32_t> vertex_;  // per lattice point: the vertex that it belongs to
-    uint32_t size_ = 0;
+    std::vector<uint32_t> place_;   // per vertex
+    uint32_t size_ = 0, places_ = 0;
 };
 
 }  // namespace lumel

@@ -1,0 +1,66 @@
+// Which measured areas meet at a vertex, and which lie around these.
+#pragma once
+
+#include <vector>
+
+#include "lumel/areas/patches.h"
+#include "lumel/scene/lattice.h"
+
+namespace lumel {
+
+/// Vertices of the measured sides are numbered as slots; each knows the areas that share it and can look further.
+class Neighbourhood {
+public:
+    Neighbourhood(const Scene& scene, const Lattice& lattice, const PatchAreas& areas);
+
+    uint32_t slots() const { return static_cast<uint32_t>(first_own_.size() - 1); }
+    /// Slot of a vertex on one face, or Scene::kNone.
+    uint32_t slot(uint32_t vertex, bool back) const { return slot_[vertex + (back ? lattice_->size() : 0)]; }
+    /// Areas whose patches share the vertex of a slot.
+    std::span<const uint32_t> own(uint32_t slot) const { return {own_.data() + first_own_[slot], own_.data() + first_own_[slot + 1]}; }
+
+    /// Areas around those given, which are left out: ring by ring over patches that touch, of the same material and about the same normal,
+    /// until `enough` says so of all that were found, or nothing new is near.
+    template <class Enough>
+    std::vector<uint32_t> around(std::span<const uint32_t> centre, Enough&& enough) const;
+
+private:
+    static constexpr int kRings = 6;
+    static constexpr float kSameSide = 0.9f;  // cosine: about 25 degrees
+
+    struct Place {
+        uint32_t id;
+        uint32_t area;
+    };
+    std::span<const Place> at_place(uint32_t id) const;
+    bool alike(uint32_t a, uint32_t b) const { return material_[a] == material_[b] && dot(normal_[a], normal_[b]) > kSameSide; }
+
+    const Lattice* lattice_;
+    std::vector<uint32_t> slot_, first_own_, own_;
+    std::vector<Place> by_place_;                  // sorted by place, each face of a patch apart
+    std::vector<std::array<uint32_t, 3>> places_;  // per area: the places of its corners
+    std::vector<Vec3> normal_;                     // per area, on its side
+    std::vector<uint32_t> material_;               // per area
+};
+
+template <class Enough>
+std::vector<uint32_t> Neighbourhood::around(std::span<const uint32_t> centre, Enough&& enough) const {
+    std::vector<uint32_t> seen(centre.begin(), centre.end()), found, edge = seen;
+    const auto is_new = [&](uint32_t area) { return std::find(seen.begin(), seen.end(), area) == seen.end(); };
+    for (int ring = 0; ring < kRings && !edge.empty(); ++ring) {
+        std::vector<uint32_t> next;
+        for (uint32_t from : edge)
+            for (uint32_t place : places_[from])
+                for (const Place& p : at_place(place))
+                    if (alike(p.area, centre[0]) && is_new(p.area)) {
+                        seen.push_back(p.area);
+                        next.push_back(p.area);
+                    }
+        found.insert(found.end(), next.begin(), next.end());
+        if (enough(std::span<const uint32_t>(found))) break;
+        edge = std::move(next);
+    }
+    return found;
+}
+
+}  // namespace lumel
