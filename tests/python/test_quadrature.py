@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 from functools import cache
+from pathlib import Path
 from statistics import NormalDist
+from typing import Any
 
 import numpy as np
 import pytest
@@ -223,6 +226,29 @@ def test_uneven_support_is_found_too() -> None:
     assert support.missing == pytest.approx(1 / 10.5, abs=4 * support.stderr)
 
 
+def test_errors_are_right_where_g_is_not_covered() -> None:
+    found = [HALF.compare(n=256, seed=seed).weighted for seed in range(200)]  # F/G with G near 1/2
+    assert np.mean([e.stderr for e in found]) == pytest.approx(np.std([e.value for e in found]), rel=0.15)
+
+
+def test_a_hole_in_p_is_proof_where_the_mean_is_none() -> None:
+    bins = Bins((1,) * 20, (1, 3) * 10, (1,) * 19 + (0,))  # 7.5 % of g is missing: too little to be seen by 64 samples
+    alone = bins.compare().support
+    assert alone.covered
+    assert alone.holes == 0
+    support = bins.compare(n_g=64, sample_g=bins.sample_g).support
+    assert support.holes > 0
+    assert support.mean == alone.mean
+    assert not support.covered
+
+
+def test_samples_of_both_kinds_are_independent() -> None:
+    samples = WINS.draw(n=64, n_g=64, sample_g=WINS.sample_p, p_g=WINS.p)
+    assert samples.gathered
+    points = np.concatenate([samples.shot.x.ravel(), samples.gathered.x.ravel()])
+    assert len(np.unique(points)) == 128
+
+
 def test_gathering_with_another_density_than_g() -> None:
     found = WINS.compare(n=4096, n_g=4096, sample_g=LOSES.sample_g, p_g=LOSES.g)
     assert found.mixed
@@ -300,3 +326,12 @@ def test_joined_parts_are_the_whole(split: int, seed: int) -> None:
     assert values(quadrature.analyse(joined)) == values(quadrature.analyse(whole))
     swapped = quadrature.analyse(part(split, 16 - split).join(part(0, split)))
     assert swapped.weighted.value == pytest.approx(quadrature.analyse(whole).weighted.value, rel=1e-12)
+
+
+def test_the_documentation_shows_what_comes_out() -> None:
+    text = (Path(__file__).resolve().parents[2] / "docs" / "quadrature.md").read_text(encoding="utf-8")
+    first, second = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    names: dict[str, Any] = {"f": lambda x: 5 * x**4 * (0.5 + 0.6 * x), "g": lambda x: 5 * x**4, "p": np.ones_like}
+    exec(first + second, names)
+    assert str(names["found"]) in text.replace("\n    ", "\n")
+    assert not names["theory"].conditions.certain

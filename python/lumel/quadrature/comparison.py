@@ -187,8 +187,7 @@ def _improvement(samples: Samples) -> Estimate:
     slope = 2 * (covariance - R * variance)
     term = term + slope * (f - R * g) / (G if G[0] > 0 else 1.0)
     value = 2 * R * covariance - R**2 * variance
-    error = standard_error(term.mean(1) - value)
+    value, error = (unit**2 * part / samples.n for part in (value, standard_error(term.mean(1) - value)))
     if int((samples.shot.g.sum(1) > 0).sum()) < 2:
         error = np.full_like(error, np.inf)
-    value, error = (shaped(unit**2 * part / samples.n, samples.scalar) for part in (value, error))
-    return Estimate(value, error, samples.batches - 1)
+    return Estimate(shaped(value, samples.scalar), shaped(error, samples.scalar), samples.batches - 1)
