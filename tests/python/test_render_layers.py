@@ -56,7 +56,7 @@ def test_parts_add_up_to_the_picture_on_disk(cornell: lumel.Result, tmp_path: Pa
         parts = [channels[f"{name}.{letter}"].astype(np.float64) for name in SUMMANDS]
         # Each part is rounded once, and so is their sum; halves below 6e-5 have fewer digits.
         np.testing.assert_allclose(sum(parts), channels[letter], rtol=rounding, atol=2.0**-23 if half else 0)
-        assert all(np.any(part > 0) for part in parts)
+        assert all(np.any(part > 0) for part in parts[1:])
 
 
 def test_file_holds_what_the_result_does(cornell: lumel.Result, tmp_path: Path) -> None:
@@ -85,9 +85,9 @@ def test_layers_are_sane(cornell: lumel.Result) -> None:
 def test_command_leaves_its_traces(tmp_path: Path) -> None:
     line = ("render", "lumel:cube", *FLAGS, "-o", "a.exr", "-o", "b ü.png", "--layers", "all", "--exposure", "1")
     assert run(*line, cwd=tmp_path).code == 0
-    metadata = read_openexr(tmp_path / "a.exr")[1]
-    assert shlex.split(str(metadata["lumel.command"])) == ["lumel", *line]
-    for metadata in (metadata, read_exrio(tmp_path / "a.exr")[1]):
+    ours, theirs = read_openexr(tmp_path / "a.exr")[1], read_exrio(tmp_path / "a.exr")[1]
+    assert shlex.split(str(ours["lumel.command"])) == ["lumel", *line]
+    for metadata in (ours, theirs):
         assert metadata["lumel.version"] == lumel.__version__
         assert metadata["lumel.seed"] == "7"
         assert metadata["lumel.rays"] == "100000"
@@ -97,7 +97,7 @@ def test_command_leaves_its_traces(tmp_path: Path) -> None:
     with Image.open(tmp_path / "b ü.png") as png:
         assert png.size == (40, 30)
         assert png.info["lumel.seed"] == "7"
-        assert png.info["lumel.scene hash"] == metadata["lumel.scene hash"]
+        assert png.info["lumel.scene hash"] == ours["lumel.scene hash"]
 
 
 def test_scene_hash_tells_scenes_apart() -> None:
