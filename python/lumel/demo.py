@@ -65,8 +65,8 @@ def run(directory: Path, progress: Show | None = None) -> list[str]:
     files = {directory / f"{r.estimator}.png": encode_png(r.result.image(), r.result.metadata, exposure=EXPOSURE) for r in last}
     curves = {estimator: [r for r in runs if r.estimator == estimator] for estimator in ESTIMATORS}
     files[directory / "side_by_side.png"] = demo_figure.draw(
-        [(f"{r.estimator}, {r.seconds:g} s, {r.rays / 1e6:.1f} M rays", r.result.image()) for r in last]
-        + [(f"reference, {rays_of(reference) / 1e6:.0f} M rays", reference.image())],
+        [(f"{r.estimator}, {r.seconds:g} s, {r.rays / 1e6:.1f} M rays", r.result.image(), r.result.layer(GLOSS)) for r in last]
+        + [(f"reference, {rays_of(reference) / 1e6:.0f} M rays", reference.image(), reference.layer(GLOSS))],
         {
             "relMSE of the indirect specular light": {e: [(r.seconds, r.gloss) for r in of] for e, of in curves.items()},
             "relMSE of the whole picture": {e: [(r.seconds, r.whole.relmse) for r in of] for e, of in curves.items()},
