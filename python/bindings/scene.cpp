@@ -28,9 +28,10 @@ Material make_material(std::string name, Triple diffuse, Triple specular, Triple
     return material;
 }
 
-std::unique_ptr<Scene> make_scene(Rows<float, 3> vertices, Rows<float, 3> normals, Rows<uint32_t, 3> triangles, Column<uint32_t> triangle_shape,
-                                  Column<uint32_t> shape_material, Rows<float, 3> shape_emission, std::vector<Material> materials,
-                                  Rows<float, 3> point_positions, Rows<float, 3> point_intensities, uint64_t patches) {
+std::unique_ptr<Scene> make_scene(Rows<float, 3> vertices, Rows<float, 3> normals, Rows<uint32_t, 3> triangles,
+                                  Column<uint32_t> triangle_shape, Column<uint32_t> shape_material, Rows<float, 3> shape_emission,
+                                  std::vector<Material> materials, Rows<float, 3> point_positions, Rows<float, 3> point_intensities,
+                                  uint64_t patches) {
     std::vector<PointLamp> points;
     for (size_t i = 0; i < point_positions.shape(0); ++i)
         points.push_back({rows<Vec3>(point_positions)[i], rows<Rgb>(point_intensities)[i]});
@@ -71,13 +72,15 @@ void bind_scene(nb::module_& m) {
     nb::class_<Material>(m, "Material")
         .def_static("make", make_material, nb::arg("name"), nb::arg("diffuse"), nb::arg("specular"), nb::arg("mirror"), nb::arg("alpha"),
                     nb::arg("fresnel"), nb::arg("eta"), nb::arg("k"), nb::arg("two_sided"))
-        .def("albedo_s", [](const Material& material, float cos) { return triple(material.albedo_s(cos)); }, nb::arg("cos"))
-        .def("scatter_s", [](const Material& material, Triple wi, Triple wo) { return triple(material.scatter_s(vec(wi), vec(wo))); },
-             nb::arg("wi"), nb::arg("wo"))
+        .def(
+            "albedo_s", [](const Material& material, float cos) { return triple(material.albedo_s(cos)); }, nb::arg("cos"))
+        .def(
+            "scatter_s", [](const Material& material, Triple wi, Triple wo) { return triple(material.scatter_s(vec(wi), vec(wo))); },
+            nb::arg("wi"), nb::arg("wo"))
         .def_prop_ro("max_albedo", &Material::max_albedo);
     nb::class_<Camera>(m, "Camera")
-        .def_static("make", make_camera, nb::arg("origin"), nb::arg("right"), nb::arg("up"), nb::arg("forward"), nb::arg("tan_x"), nb::arg("tan_y"),
-                    nb::arg("width"), nb::arg("height"));
+        .def_static("make", make_camera, nb::arg("origin"), nb::arg("right"), nb::arg("up"), nb::arg("forward"), nb::arg("tan_x"),
+                    nb::arg("tan_y"), nb::arg("width"), nb::arg("height"));
     nb::class_<Scene>(m, "Scene")
         .def_static("make", make_scene, nb::arg("vertices"), nb::arg("normals"), nb::arg("triangles"), nb::arg("triangle_shape"),
                     nb::arg("shape_material"), nb::arg("shape_emission"), nb::arg("materials"), nb::arg("point_positions"),

@@ -14,11 +14,14 @@ namespace {
 /// A session that works with a given number of threads, and lets other Python threads run meanwhile.
 class BoundSession {
 public:
-    BoundSession(const Scene& scene, const std::vector<Camera>& cameras, const std::string& transport, const std::string& estimator,
-                 float defensive, float gather, bool first_shot, uint32_t direct_samples, uint64_t seed, int threads)
+    BoundSession(const Scene& scene, const std::vector<Camera>& cameras, const std::string& transport, const std::string& areas,
+                 const std::string& estimator, float defensive, float gather, bool first_shot, uint32_t direct_samples, uint64_t seed,
+                 int threads)
         : limit_(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)), arena_(threads) {
         SessionConfig config;
-        config.solver = {transport == "walk" ? Transport::kWalk : Transport::kRays, defensive, gather, first_shot, direct_samples, {}, seed};
+        config.solver = {
+            transport == "walk" ? Transport::kWalk : Transport::kRays, defensive, gather, first_shot, direct_samples, {}, seed};
+        config.areas = areas == "pixels" ? AreaKind::kPixels : AreaKind::kPatches;
         config.estimator = find_estimator(estimator);
         if (!config.estimator) throw nb::value_error("unknown estimator");
         run([&] { session_ = std::make_unique<Session>(scene, cameras, config); });
@@ -68,7 +71,9 @@ nb::typed<nb::dict, nb::str, Array> layers(BoundSession& self, uint32_t camera) 
         solution[i] = s.solution_stderr;
     }
     nb::typed<nb::dict, nb::str, Array> d;
-    const auto add = [&](const char* name, const std::vector<Rgb>& values) { d[name] = to_numpy(flat(values), {film.height, film.width, 3}); };
+    const auto add = [&](const char* name, const std::vector<Rgb>& values) {
+        d[name] = to_numpy(flat(values), {film.height, film.width, 3});
+    };
     add("emission", emission);
     add("direct", direct);
     add("indirect.diffuse", diffuse);
@@ -84,7 +89,8 @@ nb::typed<nb::dict, nb::str, Array> layers(BoundSession& self, uint32_t camera) 
 /// Irradiance of all sides: mean and variance of the mean, each (2, patches, 3): front, back.
 nb::typed<nb::tuple, Array, Array> field(const SideField& f) {
     const size_t patches = f.mean.size() / 2;
-    return nb::typed<nb::tuple, Array, Array>(nb::make_tuple(to_numpy(flat(f.mean), {2, patches, 3}), to_numpy(flat(f.variance), {2, patches, 3})));
+    return nb::typed<nb::tuple, Array, Array>(
+        nb::make_tuple(to_numpy(flat(f.mean), {2, patches, 3}), to_numpy(flat(f.variance), {2, patches, 3})));
 }
 
 nb::typed<nb::dict, nb::str, nb::object> stats(BoundSession& self) {
@@ -120,9 +126,10 @@ Array area_estimates(BoundSession& self, uint32_t eye, const std::string& estima
 
 void bind_session(nb::module_& m) {
     nb::class_<BoundSession>(m, "Session")
-        .def(nb::init<const Scene&, const std::vector<Camera>&, const std::string&, const std::string&, float, float, bool, uint32_t, uint64_t, int>(),
-             nb::arg("scene"), nb::arg("cameras"), nb::arg("transport"), nb::arg("estimator"), nb::arg("defensive"), nb::arg("gather"), nb::arg("first_shot"),
-             nb::arg("direct_samples"), nb::arg("seed"), nb::arg("threads"))
+        .def(nb::init<const Scene&, const std::vector<Camera>&, const std::string&, const std::string&, const std::string&, float, float,
+                      bool, uint32_t, uint64_t, int>(),
+             nb::arg("scene"), nb::arg("cameras"), nb::arg("transport"), nb::arg("areas"), nb::arg("estimator"), nb::arg("defensive"),
+             nb::arg("gather"), nb::arg("first_shot"), nb::arg("direct_samples"), nb::arg("seed"), nb::arg("threads"))
         .def("begin_replica", &BoundSession::begin_replica, nb::arg("solve_rays"))
         .def("step", &BoundSession::step, nb::arg("rays"))
         .def("end_replica", &BoundSession::end_replica)
@@ -133,8 +140,8 @@ void bind_session(nb::module_& m) {
         .def("direct", [](BoundSession& self) { return field(self.session().solver().direct()); })
         .def("indirect", [](BoundSession& self) { return field(self.session().solver().indirect()); })
         .def("area_estimates", area_estimates, nb::arg("eye"), nb::arg("estimator"))
-        .def("borrowed", [](BoundSession& self) { return self.session().reconstruction().borrowed(); })
-        .def("unfilled", [](BoundSession& self) { return self.session().reconstruction().unfilled(); })
+        .def("borrowed", [](BoundSession& self) { return self.session().borrowed(); })
+        .def("unfilled", [](BoundSession& self) { return self.session().unfilled(); })
         .def_prop_ro("rays", [](BoundSession& self) { return self.session().solver().stats().rays; })
         .def_prop_ro("steps", [](BoundSession& self) { return self.session().solver().steps(); })
         .def_prop_ro("stats", stats);

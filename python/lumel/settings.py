@@ -13,7 +13,7 @@ from .result import LAYERS
 from .scene import Camera, Scene
 
 TRANSPORTS = ("rays", "walk")
-AREAS = ("patches",)
+AREAS = ("patches", "pixels")
 ESTIMATORS = ("classical", "weighted", "regression", "auto")
 GATHER = 16.0  # gathering rays an area and 2^20 shooting rays, where the estimator divides by their density
 LARGEST_PICTURE = 32_768  # pixels a side
@@ -39,7 +39,7 @@ class Settings:
 
     transport: str = "rays"
     areas: str = "patches"
-    estimator: str = "weighted"
+    estimator: str = "auto"
     defensive: float | None = None
     gather: float | None = None
     first_shot: bool = True

@@ -37,10 +37,10 @@ private:
 
     const Lattice* lattice_;
     std::vector<uint32_t> slot_, first_own_, own_;
-    std::vector<Place> by_place_;                  // sorted by place, each face of a patch apart
+    std::vector<Place> by_place_;  // sorted by place, each face of a patch apart
     std::vector<std::array<uint32_t, 3>> places_;  // per area: the places of its corners
-    std::vector<Vec3> normal_;                     // per area, on its side
-    std::vector<uint32_t> material_;               // per area
+    std::vector<Vec3> normal_;  // per area, on its side
+    std::vector<uint32_t> material_;  // per area
 };
 
 template <class Enough>

@@ -3,9 +3,7 @@
 
 #include <vector>
 
-#include "lumel/estimators/estimator.h"
-#include "lumel/transfer/sight.h"
-#include "lumel/transfer/transfers.h"
+#include "lumel/areas/tally.h"
 
 namespace lumel {
 
@@ -29,40 +27,17 @@ public:
     /// Mean lum specular albedo of a measured side towards an eye; 0 where the side faces away.
     double albedo(uint32_t eye, uint32_t area) const { return albedo_[at(eye, area)]; }
 
-    /// One step of a transport to measure. Its light counts `weight`; its densities count by its rays.
-    struct Step {
-        const Transfers& transfers;
-        const Sight& sight;
-        double weight = 1;
-        double gather = 0;    ///< n_g: expected gathering rays for every side and eye; areas take turns for a fraction
-        uint64_t stream = 0;  ///< key of the random numbers
-    };
     void measure(const Step& step);
-    /// End a replica: `weight` is the sum of the weights of its light, `rays` the sum of the rays of its steps.
-    void close_replica(double weight, double rays);
-    uint32_t replicas() const { return replicas_; }
+    /// End a replica: see Tally.
+    void close_replica(double weight, double rays) { tally_.close_replica(weight, rays); }
+    uint32_t replicas() const { return tally_.replicas(); }
 
     /// Sums not yet divided by area and albedo: samples of several areas can be pooled by addition.
-    Samples unscaled(uint32_t eye, uint32_t area) const;
+    Samples unscaled(uint32_t eye, uint32_t area) const { return tally_.samples(at(eye, area)); }
     /// Samples of one area as its estimator wants them.
     Samples samples(uint32_t eye, uint32_t area) const;
 
 private:
-    struct Sums {
-        Rgb64 f, plain, fg;
-        double g = 0, gg = 0;
-        uint64_t hits = 0;
-
-        void add(Rgb64 df, double dg) {
-            f += df, fg += df * dg, g += dg, gg += dg * dg;
-            ++hits;
-        }
-    };
-    struct Moments {
-        Rgb64 f, plain, ff, fg, plain2, single_fg;
-        double g = 0, gg = 0, single_gg = 0;
-        uint64_t hits = 0;
-    };
     size_t at(uint32_t eye, uint32_t area) const { return size_t{area} * eyes_.size() + eye; }
     void measure_shot(const Step& step, uint32_t area);
     void measure_gathered(const Step& step, uint32_t area, uint32_t eye);
@@ -71,12 +46,7 @@ private:
     std::vector<Vec3> eyes_;
     std::vector<uint32_t> sides_;
     std::vector<double> albedo_;
-    std::vector<Sums> current_;
-    std::vector<Moments> closed_;
-    uint32_t replicas_ = 0;
+    Tally tally_;
 };
-
-/// Bring unscaled sums over `area` m2 with the given integral of albedo over area (m2) to the estimators' form.
-Samples scaled(const Samples& unscaled, double area, double albedo_area);
 
 }  // namespace lumel

@@ -9,8 +9,8 @@ namespace lumel {
 
 /// Consistent. With moments over the neighbours (own samples join as far as there are enough of them),
 ///     b = sum fg / sum gg      r = sum f / sum g      k = clamp(b/r, 0, 1)
-/// b is the radiance of the many dim directions. Where G < 1, the part of the lobe that was not sampled is taken to look like that, F + b (1 - G);
-/// else a mixture of F/G and of F - b (G - 1), by k. Needs 8 sums an area and its neighbours. Values may be slightly negative.
+/// b is the radiance of the many dim directions. Where G < 1, the part of the lobe that was not sampled is taken to look like that, F + b
+/// (1 - G); else a mixture of F/G and of F - b (G - 1), by k. Needs 8 sums an area and its neighbours. Values may be slightly negative.
 inline Estimate automatic(const Samples& own, const Samples& around) {
     if (!(own.g > 0)) return {own.plain, own.var_plain, false};
     constexpr double kOwnHits = 20;

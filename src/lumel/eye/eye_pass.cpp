@@ -14,8 +14,8 @@ constexpr uint32_t kSurveySamples = 8;  // per pixel, to find out which patches 
 
 }  // namespace
 
-bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reconstruction& reconstruction, const EyePassConfig& config,
-              const std::atomic<bool>* stop, Film& film) {
+bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reconstruction& reconstruction, const PixelRadiance* pixels,
+              const EyePassConfig& config, const std::atomic<bool>* stop, Film& film) {
     const EyeShader shader(accel, reconstruction, eye, config.direct_light);
     const float share = 1.0f / static_cast<float>(config.samples);
     std::vector<EyeSample> pass(film.sum.size());
@@ -32,6 +32,9 @@ bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reco
                                             (static_cast<float>(y) + in_pixel.v) / static_cast<float>(film.height)};
                     pass[pixel] += shader.sample({camera.origin, camera.direction(film_point)}, stream) * share;
                 }
+                if (!pixels) continue;
+                pass[pixel].indirect_specular += pixels->pixels[pixel].value;
+                pass[pixel].solution_stderr += pixels->pixels[pixel].stderr_;
             }
         }
     });
@@ -54,8 +57,9 @@ std::vector<uint32_t> visible_glossy_sides(const Accel& accel, const Lattice& la
             for (uint32_t x = 0; x < camera.width; ++x)
                 for (uint32_t i = 0; i < kSurveySamples; ++i) {
                     const Square s = sobol2d(i, key(0x51, y, x));
-                    const Hit hit = accel.intersect({camera.origin, camera.direction({(static_cast<float>(x) + s.u) / static_cast<float>(camera.width),
-                                                                                      (static_cast<float>(y) + s.v) / static_cast<float>(camera.height)})});
+                    const Hit hit = accel.intersect(
+                        {camera.origin, camera.direction({(static_cast<float>(x) + s.u) / static_cast<float>(camera.width),
+                                                          (static_cast<float>(y) + s.v) / static_cast<float>(camera.height)})});
                     if (!hit.is_miss()) seen[scene.side_of(hit.point(), hit.back)].store(1, std::memory_order_relaxed);
                 }
         });

@@ -5,6 +5,7 @@
 
 #include "lumel/accel/accel.h"
 #include "lumel/eye/film.h"
+#include "lumel/eye/pixel_radiance.h"
 #include "lumel/eye/reconstruction.h"
 #include "lumel/scene/camera.h"
 
@@ -16,10 +17,11 @@ struct EyePassConfig {
     uint64_t stream = 0;        ///< key of the random numbers of this pass
 };
 
-/// Add one pass over the whole picture to `film`. `eye` is the index of the camera among the eyes of the solver. Stops early, leaving
+/// Add one pass over the whole picture to `film`. `eye` is the index of the camera among the eyes of the solver; the specular light of what
+/// is seen directly comes from `pixels` if they were measured, else from the reconstruction. Stops early, leaving
 /// `film` as it was, when `stop` becomes true. Returns whether the pass was added.
-bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reconstruction& reconstruction, const EyePassConfig& config,
-              const std::atomic<bool>* stop, Film& film);
+bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reconstruction& reconstruction, const PixelRadiance* pixels,
+              const EyePassConfig& config, const std::atomic<bool>* stop, Film& film);
 
 /// Glossy sides that any of the cameras sees directly, and their neighbours on the lattice, in ascending order.
 std::vector<uint32_t> visible_glossy_sides(const Accel& accel, const Lattice& lattice, std::span<const Camera> cameras);

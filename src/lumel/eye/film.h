@@ -23,7 +23,8 @@ struct EyeSample {
         return *this;
     }
     EyeSample operator*(float s) const {
-        return {emission * s, direct * s, indirect_diffuse * s, indirect_specular * s, albedo * s, normal * s, depth * s, solution_stderr * s};
+        return {emission * s, direct * s, indirect_diffuse * s, indirect_specular * s, albedo * s,
+                normal * s,   depth * s,  solution_stderr * s};
     }
 };
 

@@ -16,11 +16,10 @@ struct Pool {
     double area = 0, albedo_area = 0;
 
     void add(const Samples& s, double a, double aa) {
-        sums.f += s.f, sums.plain += s.plain, sums.g += s.g, sums.hits += s.hits, sums.fg += s.fg, sums.gg += s.gg;
-        sums.var_f += s.var_f, sums.cov_fg += s.cov_fg, sums.var_plain += s.var_plain, sums.var_g += s.var_g;
+        sums = pooled(sums, s);
         area += a, albedo_area += aa;
     }
-    Samples samples() const { return scaled(sums, area, albedo_area); }
+    Samples samples() const { return scaled(sums, area > 0 ? 1 / area : 0, albedo_area > 0 ? 1 / albedo_area : 0); }
 };
 
 }  // namespace
@@ -56,12 +55,12 @@ void Reconstruction::gather_irradiance(const SideField& indirect, const SideFiel
 
 void Reconstruction::estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye) {
     const auto pool = [&](std::span<const uint32_t> of) {
-        Pool pool;
+        Pool sum;
         for (uint32_t area : of) {
             const double size = scene_->side_area(areas.sides()[area]);
-            if (areas.albedo(eye, area) > 0) pool.add(areas.unscaled(eye, area), size, size * areas.albedo(eye, area));
+            if (areas.albedo(eye, area) > 0) sum.add(areas.unscaled(eye, area), size, size * areas.albedo(eye, area));
         }
-        return pool;
+        return sum;
     };
     const auto enough = [&](std::span<const uint32_t> found) { return pool(found).sums.hits >= kEnoughAround; };
     specular_[eye].resize(neighbourhood_.slots());

@@ -15,9 +15,7 @@ struct Camera {
     uint32_t width = 1, height = 1;   ///< pixels
 
     /// Unit direction through point `film` of the unit square, whose origin is the upper left corner.
-    Vec3 direction(Square film) const {
-        return normalize(forward + right * ((2 * film.u - 1) * tan_x) + up * ((1 - 2 * film.v) * tan_y));
-    }
+    Vec3 direction(Square film) const { return normalize(forward + right * ((2 * film.u - 1) * tan_x) + up * ((1 - 2 * film.v) * tan_y)); }
 };
 
 }  // namespace lumel

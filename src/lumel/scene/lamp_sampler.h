@@ -89,7 +89,8 @@ private:
         return cos > 0 ? lum(lamp.intensity) * std::max(0.05f, cos / std::sqrt(d2)) / std::max(d2, 1e-12f) : 0.0f;
     }
     LampSample on_area(const AreaLamp& lamp, float choice, Square s, float probability) const {
-        const uint32_t triangle = lamp.triangles.size() == 1 ? lamp.triangles[0] : lamp.triangles[lamp.by_area.find(choice * lamp.by_area.total())];
+        const uint32_t triangle = lamp.triangles.size() == 1 ? lamp.triangles[0]
+                                                             : lamp.triangles[lamp.by_area.find(choice * lamp.by_area.total())];
         const Square b = square_to_triangle(s);
         const Vec3 normal = scene_->geometric_normal(triangle), y = scene_->position({triangle, b.u, b.v}), to = y - x_->x;
         const float d2 = dot(to, to), d = std::sqrt(d2), cos = -dot(normal, to) / d;

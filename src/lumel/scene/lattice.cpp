@@ -20,7 +20,10 @@ public:
 
     /// `same_normal`: least cosine between normals that are welded.
     Welder(const Scene& scene, size_t points, float same_normal)
-        : same_normal_(same_normal), lower_(scene.centre() - Vec3{1, 1, 1} * scene.radius()), cell_(scene.radius() * 3.7e-5f), tolerance_(scene.radius() * 3e-6f),
+        : same_normal_(same_normal),
+          lower_(scene.centre() - Vec3{1, 1, 1} * scene.radius()),
+          cell_(scene.radius() * 3.7e-5f),
+          tolerance_(scene.radius() * 3e-6f),
           heads_(std::bit_ceil(points + 1), Scene::kNone) {}
 
     uint32_t weld(Vec3 x, Vec3 normal, uint32_t material) {
@@ -36,7 +39,8 @@ public:
                     for (uint32_t v = heads_[slot(i, j, k)]; v != Scene::kNone; v = vertices_[v].next) {
                         const Vertex& vertex = vertices_[v];
                         const Vec3 d = vertex.x - x;
-                        if (vertex.material == material && dot(d, d) <= sqr(tolerance_) && dot(vertex.normal, normal) >= same_normal_) return v;
+                        if (vertex.material == material && dot(d, d) <= sqr(tolerance_) && dot(vertex.normal, normal) >= same_normal_)
+                            return v;
                     }
         const auto id = static_cast<uint32_t>(vertices_.size());
         const auto at = [&](int axis) { return static_cast<int64_t>(std::floor((x[axis] - lower_[axis]) / cell_)); };
@@ -74,7 +78,8 @@ Lattice::Lattice(const Scene& scene) : scene_(&scene) {
         for (uint32_t j = 0; j <= n; ++j)
             for (uint32_t i = 0; i + j <= n; ++i) {
                 const SurfacePoint p{t, static_cast<float>(i) / static_cast<float>(n), static_cast<float>(j) / static_cast<float>(n)};
-                vertex_[first_[t] + lattice_index(n, i, j)] = welder.weld(scene.position(p), scene.shading_normal(p), scene.material_index(t));
+                vertex_[first_[t] + lattice_index(n, i, j)] = welder.weld(scene.position(p), scene.shading_normal(p),
+                                                                          scene.material_index(t));
             }
     }
     size_ = welder.size();
@@ -86,7 +91,8 @@ Lattice::Lattice(const Scene& scene) : scene_(&scene) {
 Lattice::Stencil Lattice::stencil(SurfacePoint p) const {
     const uint32_t n = scene_->divisions(p.triangle), patch = scene_->patch_of(p);
     const PatchPlace place = PatchPlace::of_point(n, p.u, p.v);
-    const float fu = p.u * static_cast<float>(n) - static_cast<float>(place.i), fv = p.v * static_cast<float>(n) - static_cast<float>(place.j);
+    const float fu = p.u * static_cast<float>(n) - static_cast<float>(place.i),
+                fv = p.v * static_cast<float>(n) - static_cast<float>(place.j);
     // Corners of an inverted patch are (1,1), (0,1), (1,0) of its cell.
     const std::array<float, 3> raw = place.inverted ? std::array{fu + fv - 1, 1 - fu, 1 - fv} : std::array{1 - fu - fv, fu, fv};
     Stencil s{patch, corners(patch), {}};

@@ -39,8 +39,7 @@ struct CornersHash {
 };
 Corners sorted_corners(Vec3 a, Vec3 b, Vec3 c) {
     Corners corners{{a, b, c}};
-    std::sort(corners.p.begin(), corners.p.end(),
-              [](Vec3 l, Vec3 r) { return std::array{l.x, l.y, l.z} < std::array{r.x, r.y, r.z}; });
+    std::sort(corners.p.begin(), corners.p.end(), [](Vec3 l, Vec3 r) { return std::array{l.x, l.y, l.z} < std::array{r.x, r.y, r.z}; });
     return corners;
 }
 
@@ -126,7 +125,9 @@ void Scene::order_along_curve() {
     const Vec3 extent = upper_ - lower_;
     for (uint32_t t = 0; t < triangles(); ++t) {
         const Vec3 c = position({t, 1.0f / 3, 1.0f / 3}) - lower_;
-        const auto cell = [](float x, float size) { return static_cast<uint32_t>(std::clamp(1023.0f * x / std::max(size, 1e-30f), 0.0f, 1023.0f)); };
+        const auto cell = [](float x, float size) {
+            return static_cast<uint32_t>(std::clamp(1023.0f * x / std::max(size, 1e-30f), 0.0f, 1023.0f));
+        };
         code[t] = spread3(cell(c.x, extent.x)) | spread3(cell(c.y, extent.y)) << 1 | spread3(cell(c.z, extent.z)) << 2;
     }
     std::iota(order.begin(), order.end(), 0u);

@@ -20,26 +20,49 @@ std::vector<Vec3> eyes_of(const std::vector<Camera>& cameras) {
 }  // namespace
 
 Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& config)
-    : scene_(std::move(scene)), accel_(scene_), lattice_(scene_), defensive_(survey(accel_, key(config.solver.seed, kSurvey))),
-      cameras_(std::move(cameras)), config_(config) {
+    : scene_(std::move(scene)),
+      accel_(scene_),
+      lattice_(scene_),
+      defensive_(survey(accel_, key(config.solver.seed, kSurvey))),
+      cameras_(std::move(cameras)),
+      config_(config) {
     // Gathered samples cover all that a lobe can see, and `classical` asks for no cover.
     const bool covered = config_.solver.gather > 0 || config_.estimator == find_estimator("classical");
     if (config_.solver.defensive < 0) config_.solver.defensive = covered ? 0 : defensive_.open() ? kDefensiveOpen : kDefensiveClosed;
-    solver_.emplace(accel_, defensive_, config_.solver,
-                    PatchAreas(scene_, eyes_of(cameras_), visible_glossy_sides(accel_, lattice_, cameras_)));
+    const auto glossy = visible_glossy_sides(accel_, lattice_, cameras_);
+    if (config.areas == AreaKind::kPixels)
+        solver_.emplace(accel_, defensive_, config_.solver, PatchAreas(scene_, eyes_of(cameras_), {}),
+                        PixelAreas(accel_, cameras_, glossy));
+    else
+        solver_.emplace(accel_, defensive_, config_.solver, PatchAreas(scene_, eyes_of(cameras_), glossy));
 }
 
 void Session::reconstruct() {
     const SideField indirect = solver_->indirect(), direct = solver_->direct();
     reconstruction_.emplace(scene_, lattice_, Solution{indirect, direct, solver_->areas()}, *config_.estimator);
+    pixels_.clear();
+    for (uint32_t c = 0; solver_->pixels() && c < cameras_.size(); ++c)
+        pixels_.push_back(estimate_pixels(*solver_->pixels(), cameras_[c], c, *config_.estimator));
     films_.clear();
     for (const Camera& camera : cameras_) films_.emplace_back(camera.width, camera.height);
+}
+
+uint32_t Session::borrowed() const {
+    uint32_t sum = reconstruction_->borrowed();
+    for (const PixelRadiance& camera : pixels_) sum += camera.borrowed;
+    return sum;
+}
+
+uint32_t Session::unfilled() const {
+    uint32_t sum = reconstruction_->unfilled();
+    for (const PixelRadiance& camera : pixels_) sum += camera.unfilled;
+    return sum;
 }
 
 bool Session::eye_pass(uint32_t camera, uint32_t samples) {
     Film& film = films_[camera];
     const EyePassConfig pass{samples, config_.solver.first_shot, key(config_.solver.seed, kEye, camera, film.passes)};
-    return lumel::eye_pass(accel_, cameras_[camera], camera, *reconstruction_, pass, &stop_, film);
+    return lumel::eye_pass(accel_, cameras_[camera], camera, *reconstruction_, pixels(camera), pass, &stop_, film);
 }
 
 }  // namespace lumel

@@ -5,12 +5,17 @@
 #include <optional>
 
 #include "lumel/eye/eye_pass.h"
+#include "lumel/eye/pixel_radiance.h"
 #include "lumel/solver/solver.h"
 
 namespace lumel {
 
+/// Where the specular light towards the eyes is measured.
+enum class AreaKind { kPatches, kPixels };
+
 struct SessionConfig {
     SolverConfig solver;
+    AreaKind areas = AreaKind::kPatches;
     const Estimator* estimator = find_estimator("weighted");
 };
 
@@ -32,6 +37,11 @@ public:
     const Reconstruction& reconstruction() const { return *reconstruction_; }
     /// Add one pass of `samples` per pixel to the film of a camera; false if it was stopped. `reconstruct` must have been called.
     bool eye_pass(uint32_t camera, uint32_t samples);
+    /// Estimates of the pixels, where they are measured.
+    const PixelRadiance* pixels(uint32_t camera) const { return pixels_.empty() ? nullptr : &pixels_[camera]; }
+    /// Areas or vertices that had no sample when the fields were made: those that took their neighbours' samples, and those left dark.
+    uint32_t borrowed() const;
+    uint32_t unfilled() const;
     const Film& film(uint32_t camera) const { return films_[camera]; }
     /// Ask an eye pass that runs on another thread to stop.
     void stop() { stop_ = true; }
@@ -45,6 +55,7 @@ private:
     SessionConfig config_;
     std::optional<Solver> solver_;
     std::optional<Reconstruction> reconstruction_;
+    std::vector<PixelRadiance> pixels_;  // per camera, where pixels are measured
     std::vector<Film> films_;
     std::atomic<bool> stop_ = false;
 };

@@ -12,14 +12,21 @@ constexpr double kRaysPerFullStep = 1 << 20;
 
 }  // namespace
 
-Solver::Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfig config, PatchAreas areas)
-    : accel_(&accel), defensive_(&defensive), config_(config), areas_(std::move(areas)),
-      direct_(accel.scene().sides()), indirect_(accel.scene().sides()) {}
+Solver::Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfig config, PatchAreas areas,
+               std::optional<PixelAreas> pixels)
+    : accel_(&accel),
+      defensive_(&defensive),
+      config_(config),
+      areas_(std::move(areas)),
+      pixels_(std::move(pixels)),
+      direct_(accel.scene().sides()),
+      indirect_(accel.scene().sides()) {}
 
 void Solver::begin_replica(uint64_t solve_rays) {
     const uint64_t replica = replicas();
     light_ = std::make_unique<Illumination>(
-        *accel_, *defensive_, IlluminationConfig{config_.first_shot, config_.direct_samples, config_.homogeneous, key(config_.seed, kFirstShot, replica)});
+        *accel_, *defensive_,
+        IlluminationConfig{config_.first_shot, config_.direct_samples, config_.homogeneous, key(config_.seed, kFirstShot, replica)});
     received_.assign(accel_->scene().sides(), {});
     weight_ = density_rays_ = 0;
     steps_ = generations_ = 0;
@@ -28,7 +35,8 @@ void Solver::begin_replica(uint64_t solve_rays) {
         const auto first = static_cast<uint64_t>(static_cast<double>(solve_rays) / reflections_) + 1;
         uint64_t rays = 0;
         // No measuring here, so no defensive part is needed.
-        frozen_ = std::make_unique<FrozenLight>(*accel_, *defensive_, *light_, WalkConfig{first, 0.0f, key(config_.seed, kSolve, replica)}, rays);
+        frozen_ = std::make_unique<FrozenLight>(*accel_, *defensive_, *light_, WalkConfig{first, 0.0f, key(config_.seed, kSolve, replica)},
+                                                rays);
         reflections_ = std::clamp(static_cast<double>(rays) / static_cast<double>(first), 1.0, 100.0);
         stats_.rays += rays;
     }
@@ -53,7 +61,9 @@ void Solver::absorb(const Generation& generation, double weight) {
     for (size_t side = 0; side < received_.size(); ++side) received_[side] += to_double(generation.received[side]) * weight;
     // Steps of fewer rays (late generations of a walk) get fewer gathering rays.
     const double gather = double{config_.gather} * static_cast<double>(generation.transfers.rays) / kRaysPerFullStep;
-    areas_.measure({generation.transfers, generation.sight, weight, gather, key(config_.seed, kGather, replicas(), generations_++)});
+    const Step step{generation.transfers, generation.sight, weight, gather, key(config_.seed, kGather, replicas(), generations_++)};
+    areas_.measure(step);
+    if (pixels_) pixels_->measure(step);
     density_rays_ += static_cast<double>(generation.transfers.rays);
     stats_.escaped += generation.transfers.escaped;
     stats_.lost_flux += generation.transfers.lost_flux * weight;
@@ -68,6 +78,7 @@ void Solver::end_replica() {
         indirect_.add(side, received_[side] * (1.0 / (weight_ * double{scene.side_area(side)})));
     }
     areas_.close_replica(weight_, density_rays_);
+    if (pixels_) pixels_->close_replica(weight_, density_rays_);
     steps_ = 0;
     frozen_.reset();
     light_.reset();

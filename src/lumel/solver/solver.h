@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "lumel/areas/irradiance.h"
 #include "lumel/areas/patches.h"
+#include "lumel/areas/pixels.h"
 #include "lumel/transport/rays.h"
 
 namespace lumel {
@@ -32,7 +34,8 @@ struct SolverStats {
 /// All results are pure functions of scene, config and the sequence of calls, whatever the number of threads.
 class Solver {
 public:
-    Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfig config, PatchAreas areas);
+    Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfig config, PatchAreas areas,
+           std::optional<PixelAreas> pixels = {});
 
     /// Start replica `replicas()`: its own first shot and, for `rays`, its own solution by power with about `solve_rays` rays.
     void begin_replica(uint64_t solve_rays);
@@ -46,6 +49,8 @@ public:
     uint32_t replicas() const { return areas_.replicas(); }
     const SolverStats& stats() const { return stats_; }
     const PatchAreas& areas() const { return areas_; }
+    /// Pixels, if they are measured too.
+    const PixelAreas* pixels() const { return pixels_ ? &*pixels_ : nullptr; }
     /// Irradiance straight from lamps (first shot), W/m2.
     SideField direct() const { return direct_.field(replicas()); }
     /// Irradiance that was shot, W/m2: indirect light, or all light without the first shot.
@@ -58,6 +63,7 @@ private:
     const DefensiveStarts* defensive_;
     SolverConfig config_;
     PatchAreas areas_;
+    std::optional<PixelAreas> pixels_;
     SolverStats stats_;
     SideMoments direct_, indirect_;
 

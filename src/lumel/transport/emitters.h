@@ -22,10 +22,11 @@ inline constexpr int kRecords = kLampRecords + kSurfaceRecords;
 struct Emitters {
     std::vector<Rgb> diffuse;        ///< per side: W sent by the Lambertian lobe (reflected, or emitted)
     std::vector<Record> records;     ///< kRecords per glossy side
-    std::vector<Rgb> behind_mirror;  ///< per side or empty: W of lamps that counts only after a perfect mirror (the first shot has the rest)
-    Rgb homogeneous{};               ///< L0: sides emit (1 - a(wo)) L0, so that the radiance in a closed scene is L0 everywhere (for tests)
-    bool point_lamps = false;        ///< point lamps shoot too,
-    bool point_lamps_direct = false; ///< and what they shoot counts without a mirror as well
+    std::vector<Rgb>
+        behind_mirror;  ///< per side or empty: W of lamps that counts only after a perfect mirror (the first shot has the rest)
+    Rgb homogeneous{};  ///< L0: sides emit (1 - a(wo)) L0, so that the radiance in a closed scene is L0 everywhere (for tests)
+    bool point_lamps = false;  ///< point lamps shoot too,
+    bool point_lamps_direct = false;  ///< and what they shoot counts without a mirror as well
 
     explicit Emitters(const Scene& scene) : diffuse(scene.sides()), records(size_t{scene.glossy_sides()} * kRecords) {}
 

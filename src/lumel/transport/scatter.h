@@ -1,8 +1,8 @@
 // What surfaces do with the light that arrived: it becomes the emitters of the next step.
 #pragma once
 
-#include "lumel/transport/emitters.h"
 #include "lumel/transfer/transfers.h"
+#include "lumel/transport/emitters.h"
 
 namespace lumel {
 

@@ -71,8 +71,7 @@ Transfer follow(const Shot& shot, Flight flight, uint64_t stream, uint64_t& esca
             return {};
         }
         const Material& material = scene.material(hit.triangle);
-        if (!material.is_mirror() || (hit.back && !material.two_sided))
-            return arrive(scene, hit, flight);
+        if (!material.is_mirror() || (hit.back && !material.two_sided)) return arrive(scene, hit, flight);
 
         // Decide between the mirror and the rest. Light over a partial mirror has a second way into the same transfer, from the
         // surface's own lobes, whose density is not known here: it goes outside the ratios.

@@ -1,0 +1,176 @@
+#include "lumel/areas/pixels.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <optional>
+
+#include "lumel/sampling/warp.h"
+
+namespace lumel {
+
+namespace {
+
+constexpr uint32_t kLooks = 16;          // gathered at a time
+constexpr uint32_t kSides = 256;         // receivers of a work item
+constexpr uint32_t kAlbedoSamples = 16;  // for a pixel, and this many times as many where it is not uniform
+
+/// Point of the film, in the unit square of the whole picture, at `s` of a pixel.
+Square on_film(const Camera& camera, uint32_t pixel, Square s) {
+    return {(static_cast<float>(pixel % camera.width) + s.u) / static_cast<float>(camera.width),
+            (static_cast<float>(pixel / camera.width) + s.v) / static_cast<float>(camera.height)};
+}
+
+/// |ds/dA| of a pixel at x; 0 where the surface faces away. dw/ds falls as the cube of the cosine over the film.
+float film_density(const Camera& camera, const Surface& x) {
+    const Vec3 to = camera.origin - x.x;
+    const float d2 = dot(to, to), d = std::sqrt(d2), cos = dot(x.normal, to) / d, film = -dot(camera.forward, to) / d;
+    if (!(cos > 0 && film > 0)) return 0;
+    const float solid_angle = 4 * camera.tan_x * camera.tan_y * film * film * film / static_cast<float>(camera.width * camera.height);
+    return cos / (d2 * solid_angle);
+}
+
+/// Pixel on which x falls, if it is on the film.
+std::optional<uint32_t> pixel_of(const Camera& camera, Vec3 x) {
+    const Vec3 d = x - camera.origin;
+    const float depth = dot(d, camera.forward);
+    if (!(depth > 0)) return {};
+    const float u = 0.5f * (1 + dot(d, camera.right) / (depth * camera.tan_x)), v = 0.5f * (1 - dot(d, camera.up) / (depth * camera.tan_y));
+    if (!(u >= 0 && u < 1 && v >= 0 && v < 1)) return {};
+    const auto column = static_cast<uint32_t>(u * static_cast<float>(camera.width)),
+               row = static_cast<uint32_t>(v * static_cast<float>(camera.height));
+    return std::min(row, camera.height - 1) * camera.width + std::min(column, camera.width - 1);
+}
+
+}  // namespace
+
+PixelAreas::PixelAreas(const Accel& accel, std::vector<Camera> cameras, std::vector<uint32_t> receivers)
+    : accel_(&accel), scene_(&accel.scene()), cameras_(std::move(cameras)), receivers_(std::move(receivers)) {
+    size_t areas = 0;
+    for (const Camera& camera : cameras_) {
+        first_.push_back(areas);
+        areas += size_t{camera.width} * camera.height;
+    }
+    albedo_.resize(areas);
+    tally_ = Tally(areas);
+    find_albedo();
+}
+
+void PixelAreas::find_albedo() {
+    for (uint32_t c = 0; c < cameras(); ++c) {
+        const Camera& camera = cameras_[c];
+        tbb::parallel_for(uint32_t{0}, camera.width * camera.height, [&](uint32_t pixel) {
+            const FlushDenormals flush;
+            double sum = 0, least = INFINITY, most = 0;
+            uint32_t wanted = kAlbedoSamples;
+            for (uint32_t i = 0; i < wanted; ++i) {
+                const Ray ray{camera.origin, camera.direction(on_film(camera, pixel, sobol2d(i, key(c, pixel))))};
+                const Hit hit = accel_->intersect(ray);
+                double albedo = 0;
+                if (!hit.is_miss()) {
+                    const Surface x(*scene_, hit.point(), hit.back);
+                    if (x.scatters && x.material->is_glossy()) albedo = lum(x.material->albedo_s(-dot(x.shading, ray.direction)));
+                }
+                sum += albedo, least = std::min(least, albedo), most = std::max(most, albedo);
+                if (i + 1 == kAlbedoSamples && most - least > 0.01 * most) wanted *= kAlbedoSamples;
+            }
+            albedo_[at(c, pixel)] = sum / wanted;
+        });
+    }
+}
+
+void PixelAreas::measure(const Step& step) {
+    // Sides are measured in parallel, and their deposits summed in the order of the sides.
+    const auto blocks = static_cast<uint32_t>((receivers_.size() + kSides - 1) / kSides);
+    std::vector<std::vector<Deposit>> deposits(blocks);
+    tbb::parallel_for(uint32_t{0}, blocks, [&](uint32_t block) {
+        const FlushDenormals flush;
+        for (size_t i = size_t{block} * kSides; i < std::min(receivers_.size(), (size_t{block} + 1) * kSides); ++i)
+            shoot_side(step, receivers_[i], deposits[block]);
+    });
+    for (const auto& list : deposits)
+        for (const Deposit& d : list) {
+            if (d.plain)
+                tally_.add_plain(d.area, step, to_double(d.f));
+            else
+                tally_.add(d.area, step, to_double(d.f), double{d.g});
+        }
+    if (!(step.gather > 0)) return;
+    for (uint32_t camera = 0; camera < cameras(); ++camera)
+        tbb::parallel_for(uint32_t{0}, cameras_[camera].width * cameras_[camera].height, [&](uint32_t pixel) {
+            const FlushDenormals flush;
+            gather_pixel(step, camera, pixel);
+        });
+}
+
+void PixelAreas::shoot_side(const Step& step, uint32_t side, std::vector<Deposit>& deposits) const {
+    const uint32_t triangle = scene_->triangle_of_side(side);
+    for (uint32_t i : step.transfers.group(side)) {
+        const Transfer& transfer = step.transfers.all[i];
+        const Surface x(*scene_, {triangle, transfer.u, transfer.v}, scene_->is_back(side));
+        const Frame frame(x.shading);
+        const Vec3 wi = frame.to_local(transfer.wi);
+        const float cos = dot(x.normal, transfer.wi);
+        if (!(wi.z > 0 && cos > 0)) continue;
+        for (uint32_t c = 0; c < cameras(); ++c) {
+            // Connect the hit to every eye that it may reach.
+            const float density = film_density(cameras_[c], x);
+            if (!(density > 0)) continue;
+            const auto pixel = pixel_of(cameras_[c], x.x);
+            if (!pixel || !(albedo(c, *pixel) > 0)) continue;
+            const Vec3 wo = frame.to_local(normalize(cameras_[c].origin - x.x));
+            const Rgb scatter = x.material->scatter_s(wi, wo);
+            if (!(max_component(scatter) > 0) || !accel_->visible(x.off(scene_->epsilon()), cameras_[c].origin)) continue;
+            const bool plain = !(transfer.inv_pdf > 0);
+            const float gathered = static_cast<float>(step.gather) * density * ggx::pdf_w(wo, wi, x.material->alpha) * transfer.inv_pdf;
+            const float share = density / (cos + gathered);
+            deposits.push_back(
+                {static_cast<uint32_t>(at(c, *pixel)), plain, scatter * transfer.flux * share, lum(scatter) * transfer.inv_pdf * share});
+        }
+    }
+}
+
+void PixelAreas::gather_pixel(const Step& step, uint32_t camera, uint32_t pixel) {
+    if (!(albedo(camera, pixel) > 0)) return;
+    const size_t area = at(camera, pixel);
+    const uint64_t stream = key(step.stream, camera, pixel);
+    const uint32_t count = step.gather_count(stream);
+    for (uint32_t first = 0; first < count; first += kLooks) {
+        std::array<Look, kLooks> looks;
+        std::array<Seen, kLooks> seen;
+        std::array<Rgb, kLooks> scatter;
+        std::array<float, kLooks> pdf, cos, density;
+        uint32_t n = 0;
+        for (uint32_t i = first; i < std::min(count, first + kLooks); ++i) {
+            // Draw a point of the pixel, and a direction of the lobe of what is seen there.
+            const Ray ray{cameras_[camera].origin,
+                          cameras_[camera].direction(on_film(cameras_[camera], pixel, sobol2d(i, key(stream, 1))))};
+            const Hit hit = accel_->intersect(ray);
+            if (hit.is_miss()) continue;
+            const Surface x(*scene_, hit.point(), hit.back);
+            const Frame frame(x.shading);
+            const Vec3 wo = frame.to_local(-ray.direction);
+            if (!x.scatters || !x.material->is_glossy() || !(wo.z > 0)) continue;
+            const Vec3 wi = ggx::sample(wo, x.material->alpha, sobol2d(i, key(stream, 2))), w = frame.to_world(wi);
+            cos[n] = dot(x.normal, w);
+            pdf[n] = ggx::pdf_w(wo, wi, x.material->alpha);
+            density[n] = film_density(cameras_[camera], x);
+            if (!(pdf[n] > 0 && cos[n] > 0 && density[n] > 0)) continue;
+            scatter[n] = x.material->scatter_s(wi, wo);
+            cos[n] *= 1 - x.material->mirror_choice();
+            looks[n++] = {x.off(scene_->epsilon()), w};
+        }
+        step.sight.see(std::span(looks).first(n), std::span(seen).first(n));
+        for (uint32_t i = 0; i < n; ++i) {
+            const double q = double{seen[i].density} * double{cos[i]} / double{density[i]} + step.gather * double{pdf[i]};
+            tally_.add(area, step, to_double(scatter[i]) * to_double(seen[i].radiance) * (1 / q), double{lum(scatter[i])} / q);
+        }
+    }
+}
+
+Samples PixelAreas::samples(uint32_t camera, uint32_t pixel) const {
+    const double a = albedo(camera, pixel);
+    return scaled(tally_.samples(at(camera, pixel)), 1, a > 0 ? 1 / a : 0);
+}
+
+}  // namespace lumel

@@ -1,0 +1,55 @@
+// Pixels as areas of interest: the specular radiance that reaches a pixel, measured on the image plane.
+#pragma once
+
+#include <memory>
+
+#include "lumel/accel/accel.h"
+#include "lumel/areas/tally.h"
+#include "lumel/scene/camera.h"
+#include "lumel/scene/surface.h"
+
+namespace lumel {
+
+/// Measures the indirect specular radiance of the pixels of many cameras at once.
+///
+/// With s in the unit square of a pixel, |ds/dA| = cos(theta_eye) / (d^2 dw/ds), and for a transfer that lands on x in view,
+///     f/p = L_in w_s |ds/dA| / p      g/p = lum(w_s) |ds/dA| / (a_bar p)
+/// a_bar is the mean of lum(a_s) over the pixel, 0 for what is not gloss, so that g integrates to 1 over pixels half on gloss as well.
+/// ([WIS] averages over the surface's area instead.) Gathered samples join as for patches; their points are drawn on the pixel.
+class PixelAreas {
+public:
+    /// `receivers`: glossy sides that any camera may see, in ascending order.
+    PixelAreas(const Accel& accel, std::vector<Camera> cameras, std::vector<uint32_t> receivers);
+
+    uint32_t cameras() const { return static_cast<uint32_t>(cameras_.size()); }
+    /// Mean lum specular albedo of a pixel.
+    double albedo(uint32_t camera, uint32_t pixel) const { return albedo_[at(camera, pixel)]; }
+    void measure(const Step& step);
+    /// End a replica: see Tally.
+    void close_replica(double weight, double rays) { tally_.close_replica(weight, rays); }
+    /// Samples of one pixel as its estimator wants them.
+    Samples samples(uint32_t camera, uint32_t pixel) const;
+
+private:
+    /// A sample on its way to the tally.
+    struct Deposit {
+        uint32_t area;
+        bool plain;
+        Rgb f;
+        float g;
+    };
+    size_t at(uint32_t camera, uint32_t pixel) const { return first_[camera] + pixel; }
+    void find_albedo();
+    void shoot_side(const Step& step, uint32_t side, std::vector<Deposit>& deposits) const;
+    void gather_pixel(const Step& step, uint32_t camera, uint32_t pixel);
+
+    const Accel* accel_;
+    const Scene* scene_;
+    std::vector<Camera> cameras_;
+    std::vector<uint32_t> receivers_;
+    std::vector<size_t> first_;   // per camera: its first area
+    std::vector<double> albedo_;  // per area
+    Tally tally_;
+};
+
+}  // namespace lumel

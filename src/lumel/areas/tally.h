@@ -1,0 +1,73 @@
+// Sums of f/q and g/q over steps, and their moments over replicas, for many areas of interest.
+#pragma once
+
+#include <vector>
+
+#include "lumel/estimators/estimator.h"
+#include "lumel/sampling/hash.h"
+#include "lumel/transfer/sight.h"
+#include "lumel/transfer/transfers.h"
+
+namespace lumel {
+
+/// One step of a transport to measure. Its light counts `weight`; its densities count by its rays.
+struct Step {
+    const Transfers& transfers;
+    const Sight& sight;
+    double weight = 1;
+    double gather = 0;    ///< n_g: expected gathering rays for every area and eye; areas take turns for a fraction
+    uint64_t stream = 0;  ///< key of the random numbers
+
+    /// Rays that an area gathers in this step: the fraction is left to chance.
+    uint32_t gather_count(uint64_t area_stream) const {
+        return static_cast<uint32_t>(gather + double{to_unit(static_cast<uint32_t>(area_stream >> 32))});
+    }
+};
+
+class Tally {
+public:
+    Tally() = default;
+    explicit Tally(size_t areas) : current_(areas), closed_(areas) {}
+
+    size_t size() const { return current_.size(); }
+    uint32_t replicas() const { return replicas_; }
+
+    /// Add a sample of a step to an area: what it adds to its light and to its density.
+    void add(size_t area, const Step& step, Rgb64 f, double g) {
+        Sums& s = current_[area];
+        f = f * step.weight, g *= static_cast<double>(step.transfers.rays);
+        s.f += f, s.fg += f * g, s.g += g, s.gg += g * g;
+        ++s.hits;
+    }
+    /// Add a sample that has no density.
+    void add_plain(size_t area, const Step& step, Rgb64 f) {
+        current_[area].plain += f * step.weight;
+        ++current_[area].hits;
+    }
+    /// End a replica: `weight` is the sum of the weights of its light, `rays` the sum of the rays of its steps.
+    void close_replica(double weight, double rays);
+    /// Means over replicas, with the covariances of these means.
+    Samples samples(size_t area) const;
+
+private:
+    struct Sums {
+        Rgb64 f, plain, fg;
+        double g = 0, gg = 0;
+        uint64_t hits = 0;
+    };
+    struct Moments {
+        Rgb64 f, plain, ff, fg, plain2, single_fg;
+        double g = 0, gg = 0, single_gg = 0;
+        uint64_t hits = 0;
+    };
+    std::vector<Sums> current_;
+    std::vector<Moments> closed_;
+    uint32_t replicas_ = 0;
+};
+
+/// Multiply the light of samples by `f` and their density by `g`.
+Samples scaled(const Samples& samples, double f, double g);
+/// Pool the samples of two areas, which are independent.
+Samples pooled(const Samples& a, const Samples& b);
+
+}  // namespace lumel

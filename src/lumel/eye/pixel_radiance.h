@@ -1,0 +1,19 @@
+// Estimates of the specular light of all pixels of a camera, from samples measured in pixels.
+#pragma once
+
+#include "lumel/areas/pixels.h"
+#include "lumel/eye/reconstruction.h"
+
+namespace lumel {
+
+struct PixelRadiance {
+    std::vector<Reconstructed> pixels;  ///< row by row
+    uint32_t borrowed = 0;              ///< glossy pixels without a sample that took those of their neighbours
+    uint32_t unfilled = 0;              ///< glossy pixels that found none there either
+};
+
+/// Estimate every pixel. Neighbours are glossy pixels of about the same albedo in a square around it that grows until it has samples
+/// enough.
+PixelRadiance estimate_pixels(const PixelAreas& areas, const Camera& camera, uint32_t index, const Estimator& estimator);
+
+}  // namespace lumel
