@@ -27,7 +27,7 @@ def render(
     *,
     transport: str = "rays",
     areas: str = "patches",
-    estimator: str = "weighted",
+    estimator: str = "auto",
     defensive: float | None = None,
     gather: float | None = None,
     first_shot: bool = True,
@@ -47,9 +47,9 @@ def render(
 ) -> Result:
     """Render `scene` by shooting light.
 
-    transport: `rays` (shoot from a solved state) or `walk` (random walks from the lights). areas: `patches`. estimator: `weighted` or
-    `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene and estimator). gather: gathering rays for
-    every glossy patch in view per 2^20 shooting rays, under one density with them (None: 16 for `weighted`, 0 for `classical`).
+    transport: `rays` (shoot from a solved state) or `walk` (random walks from the lights). areas: `patches` or `pixels`. estimator: `auto`,
+    `weighted`, `regression` or `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene and estimator). gather: gathering rays for
+    every glossy area in view per 2^20 shooting rays, under one density with them (None: 16, and 0 for `classical`).
     first_shot: compute direct light apart. One budget: rays (shooting rays), time (s, from `started` until the picture is
     complete) or error (relative); with none, `quality` (draft, medium, high) sets the work. patches: how many, about.
     camera: a name, `all`, or None for the first. size: (width, height) in pixels. threads: 0 for all. layers: names that
@@ -71,6 +71,7 @@ def render(
         scene=core,
         cameras=[camera_to_core(c) for c in cameras],
         transport=transport,
+        areas=areas,
         estimator=estimator,
         defensive=-1.0 if defensive is None else defensive,
         gather=settings.gather_rays(),

@@ -11,9 +11,10 @@ import typer
 Scene = Annotated[str, typer.Argument(metavar="SCENE", help="Mitsuba XML, OBJ, PLY or STL file, or a built-in scene such as lumel:demo.")]
 Outputs = Annotated[list[Path], typer.Option("--output", "-o", metavar="OUT.exr|OUT.png", help="Picture to write; repeat for several.")]
 Transport = Annotated[str | None, typer.Option("--transport", metavar="walk|rays", help="How light is carried; rays by default.")]
-Areas = Annotated[str | None, typer.Option("--areas", metavar="patches", help="Where light is measured; patches by default.")]
+Areas = Annotated[str | None, typer.Option("--areas", metavar="patches|pixels", help="Where gloss is measured; patches by default.")]
 Estimator = Annotated[
-    str | None, typer.Option("--estimator", metavar="classical|weighted", help="How samples become radiance; weighted by default.")
+    str | None,
+    typer.Option("--estimator", metavar="classical|weighted|regression|auto", help="How samples become radiance; auto by default."),
 ]
 Defensive = Annotated[float | None, typer.Option("--defensive", metavar="SHARE", help="Share of the rays, 0 to 1, that start anywhere.")]
 Gather = Annotated[
