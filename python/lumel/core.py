@@ -13,6 +13,8 @@ from .scene import Camera, Material, Mesh, Rgb, Scene
 
 ROOM_FOR_ROUNDING = 1e-3  # of an albedo above 1
 SMOOTHEST = 1e-3
+FARTHEST = 1e15  # m from the origin: farther off, squares and products leave the range of float
+BRIGHTEST = 1e15  # W/(m2 sr) or W/sr: the square, a variance, must be a float too
 
 
 def to_core(scene: Scene, patches: int | None = None) -> tuple[_core.Scene, tuple[str, ...]]:
@@ -58,6 +60,8 @@ def camera_to_core(camera: Camera) -> _core.Camera:
     left, up, forward, origin = np.asarray(camera.to_world, dtype=np.float64)[:3].T
     if not np.all(np.isfinite(camera.to_world)) or min(np.linalg.norm(axis) for axis in (left, up, forward)) <= 0:
         raise SceneError(f"camera '{camera.name}': its to_world is not a finite, invertible transform")
+    if np.max(np.abs(origin)) > FARTHEST:
+        raise SceneError(f"camera '{camera.name}' stands at {_triple(origin)}; allowed: up to {FARTHEST:g} m from the origin")
     if not 0 < camera.fov < 180:
         raise SceneError(f"camera '{camera.name}': fov is {camera.fov:g}; allowed: more than 0 and less than 180 degrees")
     tan_x, tan_y = camera.tan_half()
@@ -83,8 +87,13 @@ def find_problems(scene: Scene) -> Iterator[Problem]:
     for material in scene.materials.values():
         yield from (_at(scene, material.name, f"material '{material.name}': {text}") for text in _material_problems(material))
     for light in scene.lights:
-        if not np.all(np.isfinite([*light.position, *light.intensity])) or min(light.intensity) < 0:
-            yield _at(scene, light.name, f"point light '{light.name}': position must be finite, intensity finite and >= 0")
+        if not np.all(np.abs(light.position) <= FARTHEST):
+            yield _at(
+                scene, light.name, f"point light '{light.name}' stands at {light.position}; allowed: up to {FARTHEST:g} m from the origin"
+            )
+        if not _is_rgb(light.intensity, 0, BRIGHTEST):
+            found = f"point light '{light.name}' has intensity {light.intensity}"
+            yield _at(scene, light.name, f"{found}; allowed: three numbers from 0 to {BRIGHTEST:g}")
 
 
 def _mesh_problems(mesh: Mesh, scene: Scene) -> Iterator[str]:
@@ -100,8 +109,8 @@ def _mesh_problems(mesh: Mesh, scene: Scene) -> Iterator[str]:
         yield f"normals have shape {np.shape(mesh.normals)}; allowed: that of the vertices, {vertices.shape}"
     if mesh.material not in scene.materials:
         yield f"unknown material '{mesh.material}'; {nearest(mesh.material, scene.materials)}"
-    if not _is_rgb(mesh.emission, 0, np.inf):
-        yield f"emission is {mesh.emission}; allowed: three finite numbers >= 0"
+    if not _is_rgb(mesh.emission, 0, BRIGHTEST):
+        yield f"emission is {mesh.emission}; allowed: three numbers from 0 to {BRIGHTEST:g}"
 
 
 def _material_problems(material: Material) -> Iterator[str]:

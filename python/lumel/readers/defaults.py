@@ -12,6 +12,7 @@ from .surface import Points
 
 _FOV = 40.0  # degrees, along the shorter side of the picture
 _WIDTH, _HEIGHT = 640, 480
+_FARTHEST = 1e15  # m: what is farther off is not rendered
 _Y_UP: Rgb = (0.0, 1.0, 0.0)
 
 GREY = Material("grey", diffuse=(0.6, 0.6, 0.6), two_sided=True)
@@ -68,10 +69,9 @@ def _horizontal(up: Rgb) -> tuple[Points, Points]:
 
 
 def _bounds(meshes: Sequence[Mesh]) -> tuple[Points, Points]:
-    """Corners of the bounding box of all finite vertices that are used."""
-    used = [mesh.vertices[np.unique(mesh.triangles)].astype(np.float64) for mesh in meshes]
-    points = np.concatenate(used) if used else np.zeros((1, 3))
-    points = points[np.isfinite(points).all(axis=1)]
+    """Corners of the bounding box of all triangles that can be rendered."""
+    corners = np.concatenate([np.zeros((0, 3, 3)), *(mesh.vertices[mesh.triangles].astype(np.float64) for mesh in meshes)])
+    points = corners[(np.abs(corners) <= _FARTHEST).all(axis=(1, 2))].reshape(-1, 3)
     if not len(points):
         points = np.zeros((1, 3))
     return points.min(axis=0), points.max(axis=0)
