@@ -6,6 +6,7 @@ import multiprocessing
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -69,7 +70,7 @@ def try_to_render(soup: dict[str, Any]) -> str:
     """'' for a picture of finite numbers >= 0 or a LumelError, else what is wrong. Runs in a process that may crash."""
     settings = {name: soup[name] for name in ("transport", "estimator", "first_shot")}
     try:
-        result = render(build(soup), **settings, limit=10, rays=2000, patches=60, size=(6, 4), quality="draft", threads=1)
+        result = render(build(soup), **settings, limit=3, rays=2000, patches=60, size=(6, 4), quality="draft", threads=1)
     except lumel.LumelError as error:
         return "" if str(error) else "an error without words"
     except AssertionError as error:
@@ -155,3 +156,13 @@ PLAIN = {
 @pytest.mark.parametrize("transport", ["rays", "walk"])
 def test_single_triangles(worker: Worker, what: dict[str, Any], transport: str) -> None:
     assert worker({**PLAIN, **what, "transport": transport}) == ""
+
+
+def test_places_and_lights_beyond_floats_are_refused_together() -> None:
+    scene = build({**PLAIN, "emission": 1e30})
+    with pytest.raises(lumel.SceneError, match="allowed: three numbers from 0 to 1e\\+15") as caught:
+        lumel.render(replace(scene, lights=(lumel.PointLight("far", (1e30, 0, 0), (1, 1, float("nan"))),)))
+    assert len(caught.value.problems) == 3
+    camera = lumel.Camera.look_at("far", (1e30, 0, 0), (0, 0, 0))
+    with pytest.raises(lumel.SceneError, match="camera 'far' stands at"):
+        lumel.render(replace(build(PLAIN), cameras=(camera,)))
