@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -16,6 +17,8 @@ REPLICAS = 16  # independent solves that error bars rest on
 FEWEST_REPLICAS = 4
 RAYS_PER_REPLICA = 100_000  # below this, fewer replicas are better
 RAYS_PER_STEP = 1 << 20  # shot between two looks at the clock
+MOST_RAYS_PER_REPLICA = 1 << 25  # above this, more replicas are better: what a replica solved stays as it is
+LARGEST_SOLVE = 2  # steps that the solve of a replica may be as large as
 SOLVE_SHARE = 0.25  # of a replica's rays, for its own solution by power (transport `rays`)
 SHOOT_SHARE = 0.6  # of the time that is left after the scene is ready, while nothing is known of it
 LOOK_AFTER = 3  # replicas, a first look at the pictures divides the time
@@ -73,7 +76,9 @@ class Schedule:
             self.session.end_replica()
             replica += 1
             if replica == LOOK_AFTER and replicas > LOOK_AFTER:
+                each = (time.monotonic() - begin) / replica
                 stop = begin + (end - begin) * self._shoot_share(end)
+                replicas = replica + max(0, round((stop - time.monotonic()) / each))
         self.session.reconstruct()
         self._see_until(end)
 
@@ -156,7 +161,7 @@ class Schedule:
 
     def _begin(self, rays: int) -> None:
         before = time.monotonic()
-        self.session.begin_replica(int(rays * SOLVE_SHARE))
+        self.session.begin_replica(min(int(rays * SOLVE_SHARE), LARGEST_SOLVE * self._largest_step()))
         self._shooting_s += time.monotonic() - before
 
     def _step(self, rays: int) -> None:
@@ -218,8 +223,9 @@ class Schedule:
 
     # Sizes
 
-    def _replicas(self, rays: int, most: int = REPLICAS) -> int:
-        return max(FEWEST_REPLICAS, min(REPLICAS, most, rays // RAYS_PER_REPLICA))
+    def _replicas(self, rays: int, most: int = sys.maxsize) -> int:
+        wanted = max(min(REPLICAS, rays // RAYS_PER_REPLICA), rays // MOST_RAYS_PER_REPLICA)
+        return max(FEWEST_REPLICAS, min(most, wanted))
 
     def _pilot_rays(self, seconds: float) -> int:
         return int(min(RAYS_PER_STEP / 2, max(16_384, seconds * 50_000)))
@@ -238,5 +244,6 @@ class Schedule:
         if self.show is None:
             return
         elapsed = time.monotonic() - self.started
+        fraction = min(1.0, fraction)
         remaining = elapsed / fraction - elapsed if fraction > 0 else math.nan
         self.show(Progress(phase, fraction, self.rays, self._speed(), self.error, elapsed, max(0.0, remaining)))

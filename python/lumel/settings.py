@@ -8,13 +8,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from . import _core
 from .errors import Problem, SettingsError, nearest
 from .result import LAYERS
 from .scene import Camera, Scene
 
 TRANSPORTS = ("rays", "walk")
 AREAS = ("patches", "pixels")
-ESTIMATORS = ("classical", "weighted", "regression", "auto")
 GATHER = 16.0  # gathering rays an area and 2^20 shooting rays, where the estimator divides by their density
 LARGEST_PICTURE = 32_768  # pixels a side
 BYTES_PER_PIXEL = 450  # of memory, for each camera
@@ -87,7 +87,7 @@ class Settings:
         choices = {
             "transport": (self.transport, TRANSPORTS),
             "areas": (self.areas, AREAS),
-            "estimator": (self.estimator, ESTIMATORS),
+            "estimator": (self.estimator, tuple(_core.estimators())),
             "quality": (self.quality, tuple(QUALITIES)),
         }
         for name, (value, allowed) in choices.items():

@@ -63,7 +63,7 @@ Coverage coverage(const Stage& stage, Vec3 eye, const CoverageRun& run) {
         };
         const Illumination light(stage.accel, stage.defensive, {.first_shot = run.first_shot, .stream = key(60, replica)});
         if (run.transport == Transport::kWalk) {
-            walk(stage.accel, stage.defensive, light, {60000, run.defensive, key(61, replica)}, sink);
+            walk(stage.accel, stage.defensive, light.emitters(key(62, replica)), {60000, run.defensive, key(61, replica)}, sink);
         } else {
             uint64_t rays = 0;
             FrozenLight frozen(stage.accel, stage.defensive, light, {30000, 0, key(62, replica)}, rays);

@@ -91,7 +91,7 @@ TEST(Energy, what_surfaces_absorb_is_what_lamps_emit) {
             };
             uint64_t rays = 0;
             if (transport == Transport::kWalk) {
-                walk(stage.accel, stage.defensive, light, {60000, 0.2f, replica}, sink);
+                walk(stage.accel, stage.defensive, light.emitters(key(95, replica)), {60000, 0.2f, replica}, sink);
             } else {
                 FrozenLight frozen(stage.accel, stage.defensive, light, {60000, 0, replica}, rays);
                 frozen.step(stage.accel, stage.defensive, light, {60000, 0.2f, replica + 100}, sink);

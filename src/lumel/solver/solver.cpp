@@ -6,7 +6,7 @@ namespace lumel {
 
 namespace {
 
-enum Stream : uint64_t { kFirstShot = 31, kSolve, kStep, kGather };
+enum Stream : uint64_t { kFirstShot = 31, kSolve, kStep, kGather, kLamps };
 
 constexpr double kRaysPerFullStep = 1 << 20;
 
@@ -50,7 +50,7 @@ void Solver::step(uint64_t rays) {
         stats_.rays += frozen_->step(*accel_, *defensive_, *light_, {rays, config_.defensive, stream}, sink);
     } else {
         const auto first = static_cast<uint64_t>(weight / reflections_) + 1;
-        const uint64_t shot = walk(*accel_, *defensive_, *light_, {first, config_.defensive, stream}, sink);
+        const uint64_t shot = walk(*accel_, *defensive_, light_->emitters(key(stream, kLamps)), {first, config_.defensive, stream}, sink);
         reflections_ = std::clamp(static_cast<double>(shot) / static_cast<double>(first), 1.0, 100.0);
         stats_.rays += shot;
     }

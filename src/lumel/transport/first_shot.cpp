@@ -50,10 +50,11 @@ std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& re
     return irradiance;
 }
 
-void record_lamps(const Accel& accel, const DefensiveStarts& reachable, uint64_t stream, Emitters& emitters) {
+void record_lamps(const Accel& accel, const DefensiveStarts& reachable, uint64_t stream, Emitters& emitters, uint32_t part, uint32_t parts) {
     const Scene& scene = accel.scene();
     for_each_reachable_side(scene, reachable, [&](uint32_t side) {
-        const auto records = emitters.records_of(scene, side);
+        if (side % parts != part) return;
+        const auto records = emitters.open_records(scene, side);
         if (records.empty()) return;
         const Material& material = scene.material(scene.triangle_of_side(side));
         for (int i = 0; i < kLampRecords; ++i) {

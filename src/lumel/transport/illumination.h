@@ -39,12 +39,13 @@ public:
     }
 
     /// Draw anew what comes straight from the lamps and is not diffuse: lamps seen in gloss, and lamps seen over mirrors.
-    void refresh(uint64_t stream, Emitters& e) const {
+    /// `part` of `parts`: see record_lamps.
+    void refresh(uint64_t stream, Emitters& e, uint32_t part = 0, uint32_t parts = 1) const {
         const Scene& scene = accel_->scene();
         e.point_lamps_direct = !config_.first_shot;
         e.point_lamps = !scene.point_lamps().empty() && (!config_.first_shot || scene.has_mirrors());
         if (!config_.first_shot) return;
-        record_lamps(*accel_, *reachable_, stream, e);
+        record_lamps(*accel_, *reachable_, stream, e, part, parts);
         if (scene.has_mirrors() && e.behind_mirror.empty()) e.behind_mirror = emitted_flux(scene);
     }
 

@@ -14,23 +14,33 @@ FrozenLight::FrozenLight(const Accel& accel, const DefensiveStarts& defensive, c
                          uint64_t& rays)
     : emitters_(light.emitters(key(config.stream, kLamps))), next_(accel.scene()) {
     uint64_t generation = 0;
-    rays += walk(accel, defensive, light, config, [&](const Generation& g) {
+    rays += walk(accel, defensive, emitters_, config, [&](const Generation& g) {
         for (size_t side = 0; side < emitters_.diffuse.size(); ++side) emitters_.diffuse[side] += g.next.diffuse[side];
-        merge_records(g.next, key(config.stream, kMerge, generation++), emitters_);
+        merge_records(accel.scene(), g.next, key(config.stream, kMerge, generation++), emitters_);
     });
 }
 
 uint64_t FrozenLight::step(const Accel& accel, const DefensiveStarts& defensive, const Illumination& light, const ShootConfig& config,
                            const Sink& sink) {
-    light.refresh(key(config.stream, kLamps), emitters_);
+    // Lamps are drawn anew for as many glossy sides as cost no more than an eighth of the rays.
+    const auto parts = static_cast<uint32_t>(1 + uint64_t{accel.scene().glossy_sides()} / 2 * kLampRecords * 8 / (config.rays + 1));
+    light.refresh(key(config.stream, kLamps), emitters_, steps_++ % parts, parts);
     const Shot shot(accel, emitters_, defensive, {config.rays, config.defensive, key(config.stream, kShoot)});
     shoot(shot, transfers_);
     scatter(accel.scene(), transfers_, key(config.stream, kScatter), received_, next_);
     sink({transfers_, shot, received_, next_});
 
     // The records of this step are the next one's; its diffuse flux has been measured and is not fed back.
-    for (size_t i = 0; i < next_.records.size(); ++i)
-        if (i % kRecords >= kLampRecords) emitters_.records[i] = next_.records[i];
+    const Scene& scene = accel.scene();
+    for (uint32_t side = 0; side < scene.sides(); ++side) {
+        const auto received = next_.records_of(scene, side);
+        if (received.empty() && emitters_.records_of(scene, side).empty()) continue;
+        const auto records = emitters_.open_records(scene, side).subspan(kLampRecords);
+        if (received.empty())
+            std::fill(records.begin(), records.end(), Record{});
+        else
+            std::copy(received.begin() + kLampRecords, received.end(), records.begin());
+    }
     return transfers_.all.size();
 }
 

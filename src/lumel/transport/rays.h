@@ -19,6 +19,7 @@ private:
     Emitters emitters_, next_;
     std::vector<Rgb> received_;
     Transfers transfers_;
+    uint32_t steps_ = 0;
 };
 
 }  // namespace lumel

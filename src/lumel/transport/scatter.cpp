@@ -42,37 +42,41 @@ void scatter(const Scene& scene, const Transfers& transfers, uint64_t stream, st
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 1024), [&](const auto& range) {
         for (uint32_t side = range.begin(); side < range.end(); ++side) {
             const uint32_t triangle = scene.triangle_of_side(side);
-            const auto records = next.records_of(scene, side);
-            for (Record& record : records) record = {};
+            const bool glossy = scene.glossy_index(side) != Scene::kNone;
+            next.clear_records(scene, side);
             Rgb64 sum;
             double power = 0;
-            if (records.empty() && !scene.is_smooth(triangle)) {
+            if (!glossy && !scene.is_smooth(triangle)) {
                 for (uint32_t i : transfers.group(side)) sum += transfers.all[i].flux;
             } else {
                 for (uint32_t i : transfers.group(side)) {
-                    const Incident light = incident(scene, transfers.all[i], scene.is_back(side), !records.empty());
+                    const Incident light = incident(scene, transfers.all[i], scene.is_back(side), glossy);
                     sum += light.flux;
                     power += light.power;
                 }
             }
             received[side] = sum.to_float();
             next.diffuse[side] = scene.scatters(side) ? received[side] * scene.material(triangle).diffuse : Rgb{};
-            if (power > 0) draw_records(scene, transfers, side, power, stream, records);
+            if (power > 0) draw_records(scene, transfers, side, power, stream, next.open_records(scene, side));
         }
     });
 }
 
-void merge_records(const Emitters& generation, uint64_t stream, Emitters& total) {
-    for (size_t i = 0; i < total.records.size(); ++i) {
-        const Record& candidate = generation.records[i];
-        Record& kept = total.records[i];
-        if (!(candidate.power > 0)) continue;
-        const float sum = kept.power + candidate.power;
-        const bool replace = Rng(key(stream, i)).uniform() * sum >= kept.power;
-        if (replace) kept = candidate;
-        const float scale = sum / kept.power;
-        kept = {kept.wi, kept.flux * scale, sum};
-    }
+void merge_records(const Scene& scene, const Emitters& generation, uint64_t stream, Emitters& total) {
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 4096), [&](const auto& range) {
+        for (uint32_t side = range.begin(); side < range.end(); ++side) {
+            const auto candidates = generation.records_of(scene, side);
+            if (candidates.empty()) continue;
+            const auto kept = total.open_records(scene, side);
+            Rng rng(key(stream, side));
+            for (int i = kLampRecords; i < kRecords; ++i) {
+                if (!(candidates[i].power > 0)) continue;
+                const float sum = kept[i].power + candidates[i].power;
+                if (rng.uniform() * sum >= kept[i].power) kept[i] = candidates[i];
+                kept[i] = {kept[i].wi, kept[i].flux * (sum / kept[i].power), sum};
+            }
+        }
+    });
 }
 
 }  // namespace lumel

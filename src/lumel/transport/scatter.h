@@ -13,6 +13,6 @@ void scatter(const Scene& scene, const Transfers& transfers, uint64_t stream, st
 
 /// Add the records of one more generation to those of all before it: of two candidates for a place one stays, drawn by power, and
 /// takes over the power of both, so that the mean over streams is their sum.
-void merge_records(const Emitters& generation, uint64_t stream, Emitters& total);
+void merge_records(const Scene& scene, const Emitters& generation, uint64_t stream, Emitters& total);
 
 }  // namespace lumel

@@ -1,12 +1,19 @@
 #include "lumel/transport/shot.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include "lumel/transport/side_source.h"
 
 namespace lumel {
 
 Shot::Shot(const Accel& a, const Emitters& e, const DefensiveStarts& d, const ShootConfig& config)
     : accel(a), emitters(e), defensive(d), scene(a.scene()), stream(config.stream) {
-    by_power = Distribution(scene.sides(), [&](uint32_t side) { return emitters.power(scene, side); });
+    std::vector<double> power_of(scene.sides());
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 4096), [&](const auto& range) {
+        for (uint32_t side = range.begin(); side < range.end(); ++side) power_of[side] = emitters.power(scene, side);
+    });
+    by_power = Distribution(scene.sides(), [&](uint32_t side) { return power_of[side]; });
     if (emitters.point_lamps)
         for (const PointLamp& lamp : scene.point_lamps()) point_power += 4 * kPi * lum(lamp.intensity);
     const double power = by_power.total() + point_power;

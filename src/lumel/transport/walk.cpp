@@ -6,7 +6,7 @@ namespace lumel {
 
 namespace {
 
-enum Stream : uint64_t { kLamps = 11, kShoot, kScatter, kRoulette };
+enum Stream : uint64_t { kShoot = 12, kScatter, kRoulette };
 
 double total_power(const Scene& scene, const Emitters& emitters) {
     double power = 0;
@@ -16,17 +16,13 @@ double total_power(const Scene& scene, const Emitters& emitters) {
     return power;
 }
 
-void scale(Emitters& emitters, float factor) {
-    for (Rgb& flux : emitters.diffuse) flux *= factor;
-    for (Record& record : emitters.records) record.flux *= factor, record.power *= factor;
-}
-
 }  // namespace
 
-uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, const Illumination& light, const WalkConfig& config, const Sink& sink) {
+uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, Emitters emitters, const WalkConfig& config,
+              const Sink& sink) {
     const Scene& scene = accel.scene();
     const double fewest = std::max(64.0, static_cast<double>(config.rays) / 1024);
-    Emitters emitters = light.emitters(key(config.stream, kLamps)), next(scene);
+    Emitters next(scene);
     Transfers transfers;
     std::vector<Rgb> received;
     uint64_t shot = 0;
@@ -41,7 +37,7 @@ uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, const Illumi
         if (rays < fewest) {
             const double survive = rays / fewest;
             if (to_unit(static_cast<uint32_t>(key(config.stream, kRoulette, generation) >> 32)) >= survive) return shot;
-            scale(emitters, static_cast<float>(1 / survive));
+            emitters.scale(static_cast<float>(1 / survive));
             rays = fewest;
         }
         const auto count = static_cast<uint64_t>(rays);
