@@ -23,7 +23,7 @@ from running import quad, render, run
 
 SUMMANDS = ("emission", "direct", "indirect.diffuse", "indirect.specular")
 TINY: dict[str, Any] = {"rays": 100_000, "patches": 2000, "size": (40, 30), "quality": "draft"}
-FLAGS = ("--rays", "100k", "--patches", "2000", "--size", "40x30", "--quality", "draft", "--seed", "7")
+FLAGS = ("--estimator", "weighted", "--rays", "100k", "--patches", "2000", "--size", "40x30", "--quality", "draft", "--seed", "7")
 
 Channels = dict[str, npt.NDArray[np.floating[Any]]]
 

@@ -118,7 +118,7 @@ def worker() -> Iterator[Worker]:
     worker.close()
 
 
-@settings(max_examples=150, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=100, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(soup=soups)
 def test_soups(worker: Worker, soup: dict[str, Any]) -> None:
     assert worker(soup) == ""
