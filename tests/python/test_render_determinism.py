@@ -10,9 +10,10 @@ import pytest
 
 import lumel
 from lumel.images import read_picture
+from lumel.settings import AREAS, ESTIMATORS, TRANSPORTS
 from running import render, run
 
-CASES = [(transport, estimator) for transport in ("rays", "walk") for estimator in ("classical", "weighted")]
+CASES = [(transport, estimator) for transport in TRANSPORTS for estimator in ESTIMATORS]
 
 
 def assert_same(a: lumel.Result, b: lumel.Result) -> None:
@@ -26,8 +27,9 @@ def assert_same(a: lumel.Result, b: lumel.Result) -> None:
 
 @pytest.mark.parametrize(("transport", "estimator"), CASES)
 @pytest.mark.parametrize("first_shot", [True, False])
-def test_threads_do_not_show(transport: str, estimator: str, first_shot: bool) -> None:
-    settings: dict[str, Any] = {"transport": transport, "estimator": estimator, "first_shot": first_shot}
+@pytest.mark.parametrize("areas", AREAS)
+def test_threads_do_not_show(areas: str, transport: str, estimator: str, first_shot: bool) -> None:
+    settings: dict[str, Any] = {"transport": transport, "estimator": estimator, "areas": areas, "first_shot": first_shot}
     scene = lumel.load("lumel:cornell")
     runs = [
         render(scene, **settings, rays=150_000, patches=1500, size=(33, 17), quality="draft", seed=3, threads=threads)

@@ -11,10 +11,9 @@ import pytest
 import lumel
 from lumel.images import read_picture
 from lumel.images.compare import compare
+from lumel.settings import ESTIMATORS, TRANSPORTS
 from running import assert_same_mean, render, tiles
 
-TRANSPORTS = ("rays", "walk")
-ESTIMATORS = ("classical", "weighted")
 CASES = [(transport, estimator) for transport in TRANSPORTS for estimator in ESTIMATORS]
 SHARED = ("bust", "cornell_glossy", "courtyard", "spotlit")
 SEEDS = 8
