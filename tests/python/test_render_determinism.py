@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 import lumel
+from lumel import _core
 from lumel.images import read_picture
-from lumel.settings import AREAS, ESTIMATORS, TRANSPORTS
+from lumel.settings import AREAS, TRANSPORTS
 from running import render, run
 
-CASES = [(transport, estimator) for transport in TRANSPORTS for estimator in ESTIMATORS]
+CASES = [(transport, estimator) for transport in TRANSPORTS for estimator in _core.estimators()]
 
 
 def assert_same(a: lumel.Result, b: lumel.Result) -> None:

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 import lumel
+from lumel import _core
 from lumel.images import read_picture
 from lumel.images.compare import compare
-from lumel.settings import ESTIMATORS, TRANSPORTS
+from lumel.settings import TRANSPORTS
 from running import assert_same_mean, render, tiles
 
-CASES = [(transport, estimator) for transport in TRANSPORTS for estimator in ESTIMATORS]
+CASES = [(transport, estimator) for transport in TRANSPORTS for estimator in _core.estimators()]
 SHARED = ("bust", "cornell_glossy", "courtyard", "spotlit")
 SEEDS = 8
 
