@@ -13,7 +13,7 @@ from .scene import Camera, Material, Mesh, Rgb, Scene
 
 ROOM_FOR_ROUNDING = 1e-3  # of an albedo above 1
 SMOOTHEST = 1e-3
-FARTHEST = 1e15  # m from the origin: farther off, squares and products leave the range of float
+FARTHEST = 1e9  # m, as in the core
 BRIGHTEST = 1e15  # W/(m2 sr) or W/sr: the square, a variance, must be a float too
 
 

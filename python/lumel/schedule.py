@@ -139,11 +139,12 @@ class Schedule:
             left = rays - (self.rays - before)
             if left < rays * 0.01 and self.rays > before:
                 break
+            begin = self.rays
             self._step(max(left, 256) if left < 1.5 * self._largest_step() else self._largest_step())
             self._tell("shoot", fraction())
-            if self.transport == "walk" and self.rays - before >= rays * 0.8:
-                break
-            if self._stop():
+            nothing_to_shoot = self.rays == begin
+            done = self.transport == "walk" and self.rays - before >= rays * 0.8
+            if nothing_to_shoot or done or self._stop():
                 break
         self.session.end_replica()
 
@@ -225,7 +226,7 @@ class Schedule:
 
     def _replicas(self, rays: int, most: int = sys.maxsize) -> int:
         wanted = max(min(REPLICAS, rays // RAYS_PER_REPLICA), rays // MOST_RAYS_PER_REPLICA)
-        return max(FEWEST_REPLICAS, min(most, wanted))
+        return max(2, min(most, max(FEWEST_REPLICAS, wanted)))
 
     def _pilot_rays(self, seconds: float) -> int:
         return int(min(RAYS_PER_STEP / 2, max(16_384, seconds * 50_000)))

@@ -12,7 +12,7 @@ from .surface import Points
 
 _FOV = 40.0  # degrees, along the shorter side of the picture
 _WIDTH, _HEIGHT = 640, 480
-_FARTHEST = 1e15  # m: what is farther off is not rendered
+_FARTHEST = 1e9  # m: what is farther off is not rendered
 _Y_UP: Rgb = (0.0, 1.0, 0.0)
 
 GREY = Material("grey", diffuse=(0.6, 0.6, 0.6), two_sided=True)

@@ -84,7 +84,7 @@ Hit Accel::intersect(const Ray& ray) const {
     rtcIntersect1(embree_->scene, &context, &query);
 #endif
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    const bool back = dot(scene_->geometric_normal(query.hit.primID), ray.direction) > 0;
+    const bool back = dot({query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z}, ray.direction) > 0;
     return {query.hit.primID, query.hit.u, query.hit.v, back};
 }
 

@@ -27,6 +27,18 @@ inline Lobe eval(Vec3 wi, Vec3 wo, float alpha) {
     return {D(h.z * h.z / h2, alpha) * G1(wi.z, alpha) * G1(wo.z, alpha) / (4.0f * wo.z), 0.5f * std::sqrt(h2)};
 }
 
+/// f cos(theta_i) / cos(theta_i) and the density of `sample` given `w`, which share most of their factors.
+struct LobeAndDensity {
+    float f = 0, pdf_w = 0, cos_h = 0;
+};
+inline LobeAndDensity eval_with_pdf(Vec3 w, Vec3 other, float alpha) {
+    if (!(w.z > 0 && other.z > 0)) return {};
+    const Vec3 h = w + other;
+    const float h2 = dot(h, h);
+    const float density = D(h.z * h.z / h2, alpha) * G1(w.z, alpha) / (4.0f * w.z);
+    return {density * G1(other.z, alpha) / other.z, density, 0.5f * std::sqrt(h2)};
+}
+
 /// Draw a microfacet normal visible from `w` (Dupuy and Benyoub 2023: spherical caps).
 inline Vec3 sample_normal(Vec3 w, float alpha, Square s) {
     const Vec3 stretched = normalize({w.x * alpha, w.y * alpha, w.z});

@@ -12,7 +12,7 @@ namespace lumel {
 
 namespace {
 
-constexpr float kHuge = 1e15f;  // squares and products of larger coordinates leave the range of float
+constexpr float kHuge = 1e9f;  // m; squares of areas of larger triangles leave the range of float
 
 bool is_finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 bool is_huge(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) > kHuge; }

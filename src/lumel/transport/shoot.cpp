@@ -60,7 +60,7 @@ Transfer arrive(const Scene& scene, const Hit& hit, const Flight& flight) {
 
 /// Follow a flight over perfect mirrors to the side where it is measured. Choosing between a surface's mirror and the rest
 /// of it, and roulette, multiply the density.
-Transfer follow(const Shot& shot, Flight flight, uint64_t stream, uint64_t& escaped, double& lost) {
+Transfer follow(const Shot& shot, Flight flight, uint32_t ray, uint64_t& escaped, double& lost) {
     const Scene& scene = shot.scene;
     std::optional<Rng> rng;
     for (int mirrors = 0; mirrors < kMostMirrors; ++mirrors) {
@@ -70,12 +70,13 @@ Transfer follow(const Shot& shot, Flight flight, uint64_t stream, uint64_t& esca
             lost += lum(flight.flux);
             return {};
         }
+        if (!scene.has_mirrors()) return arrive(scene, hit, flight);
         const Material& material = scene.material(hit.triangle);
         if (!material.is_mirror() || (hit.back && !material.two_sided)) return arrive(scene, hit, flight);
 
         // Decide between the mirror and the rest. Light over a partial mirror has a second way into the same transfer, from the
         // surface's own lobes, whose density is not known here: it goes outside the ratios.
-        if (!rng) rng.emplace(key(stream, kMirror));
+        if (!rng) rng.emplace(key(shot.stream, ray, kMirror));
         const Surface m(scene, hit.point(), hit.back);
         const float choice = material.mirror_choice();
         if (choice < 1) {
@@ -105,7 +106,7 @@ public:
     Launcher(const Shot& shot) : shot_(shot), offset_(to_unit(static_cast<uint32_t>(key(shot.stream, kOffset) >> 32))) {}
 
     Flight operator()(uint32_t index) {
-        const Square point = sobol2d(index, key(shot_.stream, kPoint)), direction = sobol2d(index, key(shot_.stream, kDirection));
+        const Square point = sobol2d(index, point_stream_), direction = sobol2d(index, direction_stream_);
         if (index < shot_.from_power) return by_power(index, point, direction);
         index -= shot_.from_power;
         if (index < shot_.from_defensive) return by_area(index, point, direction);
@@ -135,6 +136,7 @@ private:
     }
 
     const Shot& shot_;
+    const uint64_t point_stream_ = key(shot_.stream, kPoint), direction_stream_ = key(shot_.stream, kDirection);
     float offset_;
     uint32_t side_ = 0;
     std::optional<SideSource> source_;
@@ -156,7 +158,7 @@ void shoot(const Shot& shot, Transfers& transfers) {
         for (uint32_t i = block * kBlock; i < std::min(rays, (block + 1) * kBlock); ++i) {
             const Flight flight = launcher(i);
             const bool empty = flight.inv_pdf == 0 && max_component(flight.flux + flight.behind_mirror) == 0;
-            transfers.all[i] = empty ? Transfer{} : follow(shot, flight, key(shot.stream, i), escaped[block], lost[block]);
+            transfers.all[i] = empty ? Transfer{} : follow(shot, flight, i, escaped[block], lost[block]);
         }
     });
     transfers.escaped = 0, transfers.lost_flux = 0;

@@ -75,9 +75,9 @@ public:
                 if (!(record.power > 0)) continue;
                 const Vec3 wi = frame.to_local(record.wi);
                 if (!(wi.z > 0 && wo.z > 0)) continue;
-                // scatter_s(wo, wi) is f_s cos(theta_o) over cos(theta_o): reciprocity lets one evaluation serve radiance and density.
-                e.radiance += y.material->scatter_s(wi, wo) * record.flux * (1.0f / (wi.z * area_));
-                e.pdf_aw += record.power * ggx::pdf_w(wi, wo, y.material->alpha);
+                const ggx::LobeAndDensity lobe = ggx::eval_with_pdf(wi, wo, y.material->alpha);
+                e.radiance += y.material->specular * y.material->fresnel(lobe.cos_h) * record.flux * (lobe.f / area_);
+                e.pdf_aw += record.power * lobe.pdf_w;
             }
         }
         e.pdf_aw *= density_;
