@@ -4,9 +4,26 @@
 
 namespace lumel {
 
+namespace {
+
+/// Turn lists of three numbers an area into lists of areas a number: `first` has one entry more than there are numbers.
+void invert(const std::vector<std::array<uint32_t, 3>>& numbers, uint32_t count, std::vector<uint32_t>& first,
+            std::vector<uint32_t>& areas) {
+    first.assign(size_t{count} + 1, 0);
+    for (const auto& three : numbers)
+        for (uint32_t number : three) ++first[number + 1];
+    for (uint32_t number = 0; number < count; ++number) first[number + 1] += first[number];
+    areas.resize(first.back());
+    std::vector<uint32_t> at(first.begin(), first.end() - 1);
+    for (uint32_t area = 0; area < numbers.size(); ++area)
+        for (uint32_t number : numbers[area]) areas[at[number]++] = area;
+}
+
+}  // namespace
+
 Neighbourhood::Neighbourhood(const Scene& scene, const Lattice& lattice, const PatchAreas& areas)
     : lattice_(&lattice), slot_(size_t{lattice.size()} * 2, Scene::kNone) {
-    // Number the vertices of all measured sides, and note which areas each of them has.
+    // Number the vertices of all measured sides, and note the slots and the places of the corners of each.
     uint32_t slots = 0;
     std::vector<std::array<uint32_t, 3>> slots_of(areas.size());
     for (uint32_t area = 0; area < areas.size(); ++area) {
@@ -19,30 +36,13 @@ Neighbourhood::Neighbourhood(const Scene& scene, const Lattice& lattice, const P
             if (slot == Scene::kNone) slot = slots++;
             slots_of[area][k] = slot;
             places[k] = lattice.place(corners[k]) + (back ? lattice.places() : 0);
-            by_place_.push_back({places[k], area});
         }
         places_.push_back(places);
         normal_.push_back(Surface(scene, scene.centre_of_patch(patch), back).shading);
         material_.push_back(scene.material_index(scene.triangle_of_patch(patch)));
     }
-    std::sort(by_place_.begin(), by_place_.end(), [](Place a, Place b) { return a.id != b.id ? a.id < b.id : a.area < b.area; });
-
-    // Turn the lists of areas into lists of slots.
-    first_own_.assign(size_t{slots} + 1, 0);
-    for (const auto& corners : slots_of)
-        for (uint32_t slot : corners) ++first_own_[slot + 1];
-    for (uint32_t slot = 0; slot < slots; ++slot) first_own_[slot + 1] += first_own_[slot];
-    own_.resize(first_own_.back());
-    std::vector<uint32_t> at(first_own_.begin(), first_own_.end() - 1);
-    for (uint32_t area = 0; area < areas.size(); ++area)
-        for (uint32_t slot : slots_of[area]) own_[at[slot]++] = area;
-}
-
-std::span<const Neighbourhood::Place> Neighbourhood::at_place(uint32_t id) const {
-    const auto begin = std::lower_bound(by_place_.begin(), by_place_.end(), id, [](Place p, uint32_t i) { return p.id < i; });
-    auto end = begin;
-    while (end != by_place_.end() && end->id == id) ++end;
-    return {begin, end};
+    invert(slots_of, slots, first_own_, own_);
+    invert(places_, 2 * lattice.places(), first_at_place_, at_place_);
 }
 
 }  // namespace lumel

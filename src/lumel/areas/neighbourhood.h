@@ -28,16 +28,14 @@ private:
     static constexpr int kRings = 6;
     static constexpr float kSameSide = 0.9f;  // cosine: about 25 degrees
 
-    struct Place {
-        uint32_t id;
-        uint32_t area;
-    };
-    std::span<const Place> at_place(uint32_t id) const;
+    std::span<const uint32_t> at_place(uint32_t id) const {
+        return {at_place_.data() + first_at_place_[id], at_place_.data() + first_at_place_[id + 1]};
+    }
     bool alike(uint32_t a, uint32_t b) const { return material_[a] == material_[b] && dot(normal_[a], normal_[b]) > kSameSide; }
 
     const Lattice* lattice_;
     std::vector<uint32_t> slot_, first_own_, own_;
-    std::vector<Place> by_place_;  // sorted by place, each face of a patch apart
+    std::vector<uint32_t> first_at_place_, at_place_;  // areas at every place, each face apart
     std::vector<std::array<uint32_t, 3>> places_;  // per area: the places of its corners
     std::vector<Vec3> normal_;  // per area, on its side
     std::vector<uint32_t> material_;  // per area
@@ -51,10 +49,10 @@ std::vector<uint32_t> Neighbourhood::around(std::span<const uint32_t> centre, En
         std::vector<uint32_t> next;
         for (uint32_t from : edge)
             for (uint32_t place : places_[from])
-                for (const Place& p : at_place(place))
-                    if (alike(p.area, centre[0]) && is_new(p.area)) {
-                        seen.push_back(p.area);
-                        next.push_back(p.area);
+                for (uint32_t area : at_place(place))
+                    if (alike(area, centre[0]) && is_new(area)) {
+                        seen.push_back(area);
+                        next.push_back(area);
                     }
         found.insert(found.end(), next.begin(), next.end());
         if (enough(std::span<const uint32_t>(found))) break;

@@ -22,6 +22,14 @@ struct Pool {
     Samples samples() const { return scaled(sums, area > 0 ? 1 / area : 0, albedo_area > 0 ? 1 / albedo_area : 0); }
 };
 
+/// For every area, the first slot that it has to itself: on flat facets all three corners are alike, and one estimate serves them.
+std::vector<uint32_t> first_slots_of_single_areas(const Neighbourhood& neighbourhood, uint32_t areas) {
+    std::vector<uint32_t> first(areas, Scene::kNone);
+    for (uint32_t slot = 0; slot < neighbourhood.slots(); ++slot)
+        if (const auto own = neighbourhood.own(slot); own.size() == 1 && first[own[0]] == Scene::kNone) first[own[0]] = slot;
+    return first;
+}
+
 }  // namespace
 
 Reconstruction::Reconstruction(const Scene& scene, const Lattice& lattice, const Solution& solution, const Estimator& estimator)
@@ -65,7 +73,13 @@ void Reconstruction::estimate_specular(const PatchAreas& areas, const Estimator&
     const auto enough = [&](std::span<const uint32_t> found) { return pool(found).sums.hits >= kEnoughAround; };
     specular_[eye].resize(neighbourhood_.slots());
     std::vector<uint8_t> borrowed(neighbourhood_.slots()), unfilled(neighbourhood_.slots());
+    const auto first_alone = first_slots_of_single_areas(neighbourhood_, areas.size());
+    const auto is_repeated = [&](uint32_t slot) {
+        const auto own = neighbourhood_.own(slot);
+        return own.size() == 1 && first_alone[own[0]] != slot;
+    };
     tbb::parallel_for(uint32_t{0}, neighbourhood_.slots(), [&](uint32_t slot) {
+        if (is_repeated(slot)) return;
         const auto centre = neighbourhood_.own(slot);
         const Pool own = pool(centre), around = pool(neighbourhood_.around(centre, enough));
 
@@ -75,6 +89,8 @@ void Reconstruction::estimate_specular(const PatchAreas& areas, const Estimator&
         const Estimate e = estimator.estimate((borrowed[slot] ? around : own).samples(), around.samples());
         specular_[eye][slot] = {e.value.to_float(), square_root(e.variance.to_float())};
     });
+    for (uint32_t slot = 0; slot < neighbourhood_.slots(); ++slot)
+        if (is_repeated(slot)) specular_[eye][slot] = specular_[eye][first_alone[neighbourhood_.own(slot)[0]]];
     borrowed_ += static_cast<uint32_t>(std::count(borrowed.begin(), borrowed.end(), 1));
     unfilled_ += static_cast<uint32_t>(std::count(unfilled.begin(), unfilled.end(), 1));
 }

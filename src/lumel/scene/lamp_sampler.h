@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "lumel/sampling/warp.h"
+#include "lumel/scene/area_lamp_view.h"
 #include "lumel/scene/surface.h"
 
 namespace lumel {
@@ -59,9 +59,8 @@ public:
     /// Density with which `sample` finds the point of a lamp's triangle that is `distance` away along `wi`, 1/sr.
     float pdf_w(uint32_t triangle, Vec3 wi, float distance) const {
         const auto lamp = static_cast<uint32_t>(scene_->lamp_of(triangle));
-        const float cos = -dot(scene_->geometric_normal(triangle), wi);
-        if (!(cos > 0) || is_dark()) return 0;
-        return lamp_weight(lamp) / total_ / scene_->area_lamps()[lamp].area * sqr(distance) / cos;
+        if (is_dark()) return 0;
+        return lamp_weight(lamp) / total_ * AreaLampView(*scene_, scene_->area_lamps()[lamp], x_->x).pdf_w(triangle, wi, distance);
     }
 
 private:
@@ -80,6 +79,8 @@ private:
         if (flatness > 0.9999f) {
             cos = -dot(to, lamp.normal) / (flatness * d);
             if (!(cos > 0)) return 0;
+            // Seen from next to a flat lamp, some of it is in front although its centre is at the side.
+            cos = std::min(1.0f, cos + 0.25f * lamp.radius / d);
         }
         return lum(lamp.radiance) * lamp.area * std::max(0.05f, std::min(1.0f, above / d)) * std::max(cos, 0.02f) / d2;
     }
@@ -89,13 +90,8 @@ private:
         return cos > 0 ? lum(lamp.intensity) * std::max(0.05f, cos / std::sqrt(d2)) / std::max(d2, 1e-12f) : 0.0f;
     }
     LampSample on_area(const AreaLamp& lamp, float choice, Square s, float probability) const {
-        const uint32_t triangle = lamp.triangles.size() == 1 ? lamp.triangles[0]
-                                                             : lamp.triangles[lamp.by_area.find(choice * lamp.by_area.total())];
-        const Square b = square_to_triangle(s);
-        const Vec3 normal = scene_->geometric_normal(triangle), y = scene_->position({triangle, b.u, b.v}), to = y - x_->x;
-        const float d2 = dot(to, to), d = std::sqrt(d2), cos = -dot(normal, to) / d;
-        if (!(cos > 1e-6f) || !(d > 0)) return {};
-        return {y + normal * scene_->epsilon(), to / d, lamp.radiance, probability / lamp.area * d2 / cos, false};
+        const AreaLampView::Sample found = AreaLampView(*scene_, lamp, x_->x).sample(choice, s);
+        return {found.y + found.normal * scene_->epsilon(), found.wi, lamp.radiance, probability * found.pdf_w, false};
     }
     LampSample on_point(const PointLamp& lamp, float probability) const {
         const Vec3 to = lamp.position - x_->x;
