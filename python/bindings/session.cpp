@@ -61,28 +61,30 @@ private:
 nb::typed<nb::dict, nb::str, Array> layers(BoundSession& self, uint32_t camera) {
     const Film& film = self.session().film(camera);
     const size_t pixels = film.sum.size();
-    std::vector<Rgb> emission(pixels), direct(pixels), diffuse(pixels), specular(pixels), albedo(pixels), normal(pixels), error(pixels),
-        solution(pixels);
-    std::vector<float> depth(pixels);
-    for (size_t i = 0; i < pixels; ++i) {
-        const EyeSample s = film.mean(i);
-        emission[i] = s.emission, direct[i] = s.direct, diffuse[i] = s.indirect_diffuse, specular[i] = s.indirect_specular;
-        albedo[i] = s.albedo, normal[i] = s.normal, depth[i] = s.depth, error[i] = film.standard_error(i);
-        solution[i] = s.solution_stderr;
-    }
     nb::typed<nb::dict, nb::str, Array> d;
-    const auto add = [&](const char* name, const std::vector<Rgb>& values) {
+    const auto add_rgb = [&](const char* name, auto&& of) {
+        std::vector<Rgb> values(pixels);
+        for (size_t i = 0; i < pixels; ++i) values[i] = of(i);
         d[name] = to_numpy(flat(values), {film.height, film.width, 3});
     };
-    add("emission", emission);
-    add("direct", direct);
-    add("indirect.diffuse", diffuse);
-    add("indirect.specular", specular);
-    add("albedo", albedo);
-    add("normal", normal);
-    add("stderr", error);
-    add("stderr.solution", solution);
-    d["depth"] = to_numpy(std::move(depth), {film.height, film.width});
+    const auto add_scalar = [&](const char* name, auto&& of) {
+        std::vector<float> values(pixels);
+        for (size_t i = 0; i < pixels; ++i) values[i] = of(i);
+        d[name] = to_numpy(std::move(values), {film.height, film.width});
+    };
+    add_rgb("emission", [&](size_t i) { return film.mean(i).emission; });
+    add_rgb("direct", [&](size_t i) { return film.mean(i).direct; });
+    add_rgb("indirect.diffuse", [&](size_t i) { return film.mean(i).indirect_diffuse; });
+    add_rgb("indirect.specular", [&](size_t i) { return film.mean(i).indirect_specular; });
+    add_rgb("albedo", [&](size_t i) { return film.mean(i).albedo; });
+    add_rgb("normal", [&](size_t i) { return film.mean(i).normal; });
+    add_rgb("stderr", [&](size_t i) { return film.standard_error(i); });
+    add_rgb("stderr.solution", [&](size_t i) { return film.mean(i).solution_stderr; });
+    add_scalar("depth", [&](size_t i) { return film.mean(i).depth; });
+    add_scalar("weight", [&](size_t i) { return film.mean(i).trust.weight; });
+    add_scalar("hits", [&](size_t i) { return film.mean(i).trust.hits; });
+    add_scalar("correction", [&](size_t i) { return film.mean(i).trust.correction; });
+    add_scalar("flag", [&](size_t i) { return film.mean(i).trust.flag; });
     return d;
 }
 
@@ -142,6 +144,7 @@ void bind_session(nb::module_& m) {
         .def("area_estimates", area_estimates, nb::arg("eye"), nb::arg("estimator"))
         .def("borrowed", [](BoundSession& self) { return self.session().borrowed(); })
         .def("unfilled", [](BoundSession& self) { return self.session().unfilled(); })
+        .def("flagged", [](BoundSession& self) { return self.session().flagged(); })
         .def_prop_ro("rays", [](BoundSession& self) { return self.session().solver().stats().rays; })
         .def_prop_ro("steps", [](BoundSession& self) { return self.session().solver().steps(); })
         .def_prop_ro("stats", stats);

@@ -19,6 +19,7 @@ from .scene import FloatArray, Scene
 from .schedule import Schedule
 from .settings import QUALITIES, Settings
 
+WORTH_SAYING = 0.1  # share of flagged areas; a few have lobes that reach below the horizon of their triangles
 DIRECT_SAMPLES = 4  # shadow rays a side and replica for the first shot
 
 
@@ -47,15 +48,15 @@ def render(
 ) -> Result:
     """Render `scene` by shooting light.
 
-    transport: `rays` (shoot from a solved state) or `walk` (random walks from the lights). areas: `patches` or `pixels`. estimator: `auto`,
-    `weighted`, `regression` or `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene and estimator). gather: gathering rays for
-    every glossy area in view per 2^20 shooting rays, under one density with them (None: 16, and 0 for `classical`).
-    first_shot: compute direct light apart. One budget: rays (shooting rays), time (s, from `started` until the picture is
-    complete) or error (relative); with none, `quality` (draft, medium, high) sets the work. patches: how many, about.
-    camera: a name, `all`, or None for the first. size: (width, height) in pixels. threads: 0 for all. layers: names that
-    the result must have. progress is called now and then; interrupted is asked between steps, and True ends the work
-    early with a valid result. started: time.monotonic() of when the files were read. Equal seed and rays give equal
-    bytes for any number of threads.
+    transport: `rays` (shoot from a solved state) or `walk` (random walks from the lights). areas: `patches` or `pixels`, where the light in
+    gloss is measured. estimator: `auto`, `weighted`, `regression` or `classical`. defensive: share of rays that starts anywhere,
+    0..1 (None: chosen by scene and estimator). gather: gathering rays for every glossy area in view per 2^20 shooting rays,
+    under one density with them (None: 16, and 0 for `classical`). first_shot: compute direct light apart. One budget:
+    rays (shooting rays), time (s, from `started` until the picture is complete) or error (relative); with none, `quality`
+    (draft, medium, high) sets the work. patches: how many, about. camera: a name, `all`, or None for the first. size:
+    (width, height) in pixels. threads: 0 for all. layers: names that the result must have. progress is called now and
+    then; interrupted is asked between steps, and True ends the work early with a valid result. started:
+    time.monotonic() of when the files were read. Equal seed and rays give equal bytes for any number of threads.
 
     Raises SettingsError or SceneError with all that is wrong.
     """
@@ -84,7 +85,7 @@ def render(
     _work(schedule, settings, core.patches)
     pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
     stats = _stats(session, schedule, clock.monotonic() - started, core.patches)
-    notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures))
+    notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(settings, stats))
     return Result(pictures, _patches(core, session, scene), _metadata(scene, settings, stats), stats, notes)
 
 
@@ -155,6 +156,16 @@ def _dark(scene: Scene, pictures: dict[str, dict[str, FloatArray]]) -> Iterator[
             yield f"camera '{name}' sees no light at all: it may be inside a wall"
 
 
+def _uncovered(settings: Settings, stats: dict[str, object]) -> Iterator[str]:
+    """Say where estimators that divide by the density cannot be trusted."""
+    share = float(str(stats["flagged"]))
+    if settings.estimator != "classical" and share > WORTH_SAYING:
+        yield (
+            f"the sampling density does not cover what {share:.0%} of the glossy areas in view reflect (layer 'flag'): "
+            "they may be too bright; gather (--gather) or shoot from everywhere (--defensive)"
+        )
+
+
 def _metadata(scene: Scene, settings: Settings, stats: dict[str, object]) -> dict[str, str]:
     from . import __version__
 
@@ -188,6 +199,7 @@ def _stats(session: _core.Session, schedule: Schedule, seconds: float, patches: 
         "patches": patches,
         "borrowed": session.borrowed(),
         "unfilled": session.unfilled(),
+        "flagged": session.flagged(),
     }
 
 

@@ -22,7 +22,19 @@ LAYERS: Mapping[str, str] = {
     "depth": "distance from the eye along the ray, in metres",
     "stderr": "standard error of the picture",
 }
-"""The layers of a picture beside `rgb`. emission + direct + indirect.diffuse + indirect.specular = rgb."""
+"""The layers of a picture beside `rgb`, written unless others are asked for.
+
+emission + direct + indirect.diffuse + indirect.specular = rgb.
+"""
+
+
+DIAGNOSTICS: Mapping[str, str] = {
+    "weight": "mean of g/p of the specular estimate: 1 where the sampling density covers what the lobe sees",
+    "hits": "samples of the specular estimate",
+    "correction": "what the estimator added to the mean of f/p, as luminance",
+    "flag": "1 where `weight` is more than 4 standard errors from 1, so that ratios over it are off",
+}
+"""Layers that tell how far the specular estimate can be trusted; 0 where nothing glossy is seen directly."""
 
 
 @dataclass(frozen=True, eq=False)

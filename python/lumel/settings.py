@@ -10,7 +10,7 @@ from typing import Literal
 
 from . import _core
 from .errors import Problem, SettingsError, nearest
-from .result import LAYERS
+from .result import DIAGNOSTICS, LAYERS
 from .scene import Camera, Scene
 
 TRANSPORTS = ("rays", "walk")
@@ -94,8 +94,8 @@ class Settings:
             if value not in allowed:
                 yield f"unknown {name} '{value}'; {nearest(str(value), allowed)}"
         for layer in (self.layers,) if isinstance(self.layers, str) else self.layers or ():
-            if layer not in ("all", "rgb", *LAYERS):
-                yield f"unknown layer '{layer}'; {nearest(layer, ('all', 'rgb', *LAYERS))}"
+            if layer not in ("all", "rgb", *LAYERS, *DIAGNOSTICS):
+                yield f"unknown layer '{layer}'; {nearest(layer, ('all', 'rgb', *LAYERS, *DIAGNOSTICS))}"
 
     def _budgets(self) -> Iterator[str]:
         given = [name for name in ("rays", "time", "error") if getattr(self, name) is not None]

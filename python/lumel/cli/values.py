@@ -53,10 +53,10 @@ def layers(text: str | None, problems: list[Problem]) -> tuple[str, ...] | Liter
     """Layer names with commas between them, or `all`."""
     if text is None or text.strip() == "all":
         return "all" if text else None
-    from ..result import LAYERS
+    from ..result import DIAGNOSTICS, LAYERS
 
     names = tuple(name.strip() for name in text.split(",") if name.strip())
-    known = ("rgb", *LAYERS)
+    known = ("rgb", *LAYERS, *DIAGNOSTICS)
     if not names:
         problems.append(Problem(f"--layers names no layer; allowed: all, {', '.join(known)}"))
     problems.extend(Problem(f"--layers: unknown layer '{name}'; {nearest(name, ('all', *known))}") for name in names if name not in known)

@@ -35,6 +35,7 @@ bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reco
                 if (!pixels) continue;
                 pass[pixel].indirect_specular += pixels->pixels[pixel].value;
                 pass[pixel].solution_stderr += pixels->pixels[pixel].stderr_;
+                pass[pixel].trust = pixels->pixels[pixel].trust;
             }
         }
     });

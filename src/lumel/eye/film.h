@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lumel/eye/trust.h"
 #include "lumel/math/vec.h"
 
 namespace lumel {
@@ -15,16 +16,17 @@ struct EyeSample {
     Vec3 normal;         ///< shading normal towards the eye
     float depth = 0;     ///< m to what is seen; 0 where there is nothing
     Rgb solution_stderr; ///< standard error of the reconstructed solution
+    Trust trust;         ///< of the specular estimate; all 0 where there is none
 
     Rgb radiance() const { return emission + direct + indirect_diffuse + indirect_specular; }
     EyeSample& operator+=(const EyeSample& o) {
         emission += o.emission, direct += o.direct, indirect_diffuse += o.indirect_diffuse, indirect_specular += o.indirect_specular;
-        albedo += o.albedo, normal += o.normal, depth += o.depth, solution_stderr += o.solution_stderr;
+        albedo += o.albedo, normal += o.normal, depth += o.depth, solution_stderr += o.solution_stderr, trust += o.trust;
         return *this;
     }
     EyeSample operator*(float s) const {
-        return {emission * s, direct * s, indirect_diffuse * s, indirect_specular * s, albedo * s,
-                normal * s,   depth * s,  solution_stderr * s};
+        return {emission * s,        direct * s, indirect_diffuse * s, indirect_specular * s, albedo * s, normal * s, depth * s,
+                solution_stderr * s, trust * s};
     }
 };
 

@@ -43,10 +43,13 @@ PixelRadiance estimate_pixels(const PixelAreas& areas, const Camera& camera, uin
         unfilled[pixel] = own.hits == 0 && near.hits == 0;
         const Estimate e = estimator.estimate(borrowed[pixel] ? near : own, near);
         const Rgb variance = e.variance.to_float();
-        radiance.pixels[pixel] = {e.value.to_float(), {std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)}};
+        radiance.pixels[pixel] = {e.value.to_float(),
+                                  {std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)},
+                                  Trust(borrowed[pixel] ? near : own, e)};
     });
     radiance.borrowed = static_cast<uint32_t>(std::count(borrowed.begin(), borrowed.end(), 1));
     radiance.unfilled = static_cast<uint32_t>(std::count(unfilled.begin(), unfilled.end(), 1));
+    for (const Reconstructed& r : radiance.pixels) radiance.measured += r.trust.hits > 0, radiance.flagged += r.trust.flag > 0;
     return radiance;
 }
 

@@ -10,6 +10,7 @@ struct PixelRadiance {
     std::vector<Reconstructed> pixels;  ///< row by row
     uint32_t borrowed = 0;              ///< glossy pixels without a sample that took those of their neighbours
     uint32_t unfilled = 0;              ///< glossy pixels that found none there either
+    uint32_t measured = 0, flagged = 0; ///< pixels with samples, and those of them that are flagged (see Trust)
 };
 
 /// Estimate every pixel. Neighbours are glossy pixels of about the same albedo in a square around it that grows until it has samples

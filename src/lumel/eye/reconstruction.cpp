@@ -86,11 +86,13 @@ void Reconstruction::estimate_specular(const PatchAreas& areas, const Estimator&
         // A vertex without a sample takes those around it.
         borrowed[slot] = own.sums.hits == 0 && around.sums.hits > 0;
         unfilled[slot] = own.sums.hits == 0 && around.sums.hits == 0;
-        const Estimate e = estimator.estimate((borrowed[slot] ? around : own).samples(), around.samples());
-        specular_[eye][slot] = {e.value.to_float(), square_root(e.variance.to_float())};
+        const Samples samples = (borrowed[slot] ? around : own).samples();
+        const Estimate e = estimator.estimate(samples, around.samples());
+        specular_[eye][slot] = {e.value.to_float(), square_root(e.variance.to_float()), Trust(samples, e)};
     });
     for (uint32_t slot = 0; slot < neighbourhood_.slots(); ++slot)
         if (is_repeated(slot)) specular_[eye][slot] = specular_[eye][first_alone[neighbourhood_.own(slot)[0]]];
+    for (const Reconstructed& r : specular_[eye]) measured_ += r.trust.hits > 0, flagged_ += r.trust.flag > 0;
     borrowed_ += static_cast<uint32_t>(std::count(borrowed.begin(), borrowed.end(), 1));
     unfilled_ += static_cast<uint32_t>(std::count(unfilled.begin(), unfilled.end(), 1));
 }
@@ -126,8 +128,9 @@ Reconstructed Reconstruction::specular(uint32_t eye, SurfacePoint p, bool back) 
         weight += s.weight[k];
         r.value += specular_[eye][slot].value * s.weight[k];
         r.stderr_ += specular_[eye][slot].stderr_ * s.weight[k];
+        r.trust += specular_[eye][slot].trust * s.weight[k];
     }
-    return weight > 0 ? Reconstructed{r.value / weight, r.stderr_ / weight} : Reconstructed{};
+    return weight > 0 ? Reconstructed{r.value / weight, r.stderr_ / weight, r.trust * (1 / weight)} : Reconstructed{};
 }
 
 }  // namespace lumel

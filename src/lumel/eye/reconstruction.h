@@ -4,6 +4,7 @@
 #include "lumel/areas/irradiance.h"
 #include "lumel/areas/neighbourhood.h"
 #include "lumel/areas/patches.h"
+#include "lumel/eye/trust.h"
 #include "lumel/scene/lattice.h"
 
 namespace lumel {
@@ -11,6 +12,7 @@ namespace lumel {
 /// A value and the standard error that belongs to it.
 struct Reconstructed {
     Rgb value, stderr_;
+    Trust trust;  ///< of specular estimates
 };
 
 /// What a solve knows of the sides: irradiance that was shot, irradiance straight from lamps, and the measured areas.
@@ -36,6 +38,8 @@ public:
     /// Vertices that had no sample of their own and took those of their neighbours, and vertices that found none there either.
     uint32_t borrowed() const { return borrowed_; }
     uint32_t unfilled() const { return unfilled_; }
+    /// Share of the vertices with specular samples whose estimate is flagged (see Trust), 0..1.
+    double flagged() const { return measured_ > 0 ? static_cast<double>(flagged_) / measured_ : 0; }
 
 private:
     void gather_irradiance(const SideField& indirect, const SideField& direct);
@@ -47,7 +51,7 @@ private:
     std::vector<Rgb> irradiance_, irradiance_stderr_, direct_;   // per vertex and side
     Neighbourhood neighbourhood_;
     std::vector<std::vector<Reconstructed>> specular_;           // per eye and slot of the neighbourhood
-    uint32_t borrowed_ = 0, unfilled_ = 0;
+    uint32_t borrowed_ = 0, unfilled_ = 0, measured_ = 0, flagged_ = 0;
 };
 
 }  // namespace lumel

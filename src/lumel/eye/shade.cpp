@@ -88,6 +88,7 @@ EyeSample EyeShader::sample(Ray ray, EyeStream& stream) const {
             const Reconstructed specular = reconstruction_.specular(eye_, p, back);
             s.indirect_specular = specular.value;
             s.solution_stderr += specular.stderr_;
+            s.trust = specular.trust;
         }
     }
     for (Rgb* radiance : {&s.direct, &s.indirect_diffuse, &s.indirect_specular, &s.solution_stderr}) *radiance *= m.throughput;

@@ -59,6 +59,13 @@ uint32_t Session::unfilled() const {
     return sum;
 }
 
+double Session::flagged() const {
+    if (pixels_.empty()) return reconstruction_->flagged();
+    double measured = 0, flagged = 0;
+    for (const PixelRadiance& camera : pixels_) measured += camera.measured, flagged += camera.flagged;
+    return measured > 0 ? flagged / measured : 0;
+}
+
 bool Session::eye_pass(uint32_t camera, uint32_t samples) {
     Film& film = films_[camera];
     const EyePassConfig pass{samples, config_.solver.first_shot, key(config_.solver.seed, kEye, camera, film.passes)};

@@ -42,6 +42,8 @@ public:
     /// Areas or vertices that had no sample when the fields were made: those that took their neighbours' samples, and those left dark.
     uint32_t borrowed() const;
     uint32_t unfilled() const;
+    /// Share of the measured areas that are flagged (see Trust), 0..1.
+    double flagged() const;
     const Film& film(uint32_t camera) const { return films_[camera]; }
     /// Ask an eye pass that runs on another thread to stop.
     void stop() { stop_ = true; }
