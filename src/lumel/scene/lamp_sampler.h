@@ -80,7 +80,7 @@ private:
             cos = -dot(to, lamp.normal) / (flatness * d);
             if (!(cos > 0)) return 0;
             // Seen from next to a flat lamp, some of it is in front although its centre is at the side.
-            cos = std::min(1.0f, cos + 0.25f * lamp.radius / d);
+            cos = std::min(1.0f, cos + 0.25f * sqr(lamp.radius) / d2);
         }
         return lum(lamp.radiance) * lamp.area * std::max(0.05f, std::min(1.0f, above / d)) * std::max(cos, 0.02f) / d2;
     }
