@@ -169,7 +169,7 @@ struct GlossySource {
         const Frame frame(scene.shading_normal(scene.centre_of_patch(side)));
         const Material& m = scene.material(0);
         emitters.diffuse[side] = {1, 2, 3};
-        const auto records = emitters.records_of(scene, side);
+        const auto records = emitters.open_records(scene, side);
         const std::array<Vec3, 3> from{normalize({0.3f, 0.1f, 1}), normalize({-1, 0.2f, 0.5f}), normalize({0.1f, -1, 0.2f})};
         for (size_t k = 0; k < 3; ++k) {
             const Rgb flux{2, 1.0f + static_cast<float>(k), 4};
