@@ -17,8 +17,9 @@ constexpr uint32_t kAlbedoSamples = 16;  // for a pixel, and this many times as 
 
 /// Point of the film, in the unit square of the whole picture, at `s` of a pixel.
 Square on_film(const Camera& camera, uint32_t pixel, Square s) {
-    return {(static_cast<float>(pixel % camera.width) + s.u) / static_cast<float>(camera.width),
-            (static_cast<float>(pixel / camera.width) + s.v) / static_cast<float>(camera.height)};
+    const uint32_t column = pixel % camera.width, row = pixel / camera.width;
+    return {(static_cast<float>(column) + s.u) / static_cast<float>(camera.width),
+            (static_cast<float>(row) + s.v) / static_cast<float>(camera.height)};
 }
 
 /// |ds/dA| of a pixel at x; 0 where the surface faces away. dw/ds falls as the cube of the cosine over the film.

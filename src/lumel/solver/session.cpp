@@ -13,6 +13,7 @@ constexpr float kDefensiveClosed = 0.3f, kDefensiveOpen = 0.5f;
 
 std::vector<Vec3> eyes_of(const std::vector<Camera>& cameras) {
     std::vector<Vec3> eyes;
+    eyes.reserve(cameras.size());
     for (const Camera& camera : cameras) eyes.push_back(camera.origin);
     return eyes;
 }

@@ -66,8 +66,8 @@ struct Emitters {
 private:
     std::span<const Record> records(uint32_t glossy) const { return std::span(records_).subspan(size_t{glossy} * kRecords, kRecords); }
 
-    std::vector<Record> records_;     // kRecords per glossy side
-    std::vector<uint8_t> recorded_;   // per glossy side: whether they count
+    std::vector<Record> records_;  // kRecords per glossy side
+    std::vector<uint8_t> recorded_;  // per glossy side: whether they count
 };
 
 }  // namespace lumel

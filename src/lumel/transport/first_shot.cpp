@@ -50,7 +50,8 @@ std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& re
     return irradiance;
 }
 
-void record_lamps(const Accel& accel, const DefensiveStarts& reachable, uint64_t stream, Emitters& emitters, uint32_t part, uint32_t parts) {
+void record_lamps(const Accel& accel, const DefensiveStarts& reachable, uint64_t stream, Emitters& emitters, uint32_t part,
+                  uint32_t parts) {
     const Scene& scene = accel.scene();
     for_each_reachable_side(scene, reachable, [&](uint32_t side) {
         if (side % parts != part) return;

@@ -18,8 +18,7 @@ double total_power(const Scene& scene, const Emitters& emitters) {
 
 }  // namespace
 
-uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, Emitters emitters, const WalkConfig& config,
-              const Sink& sink) {
+uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, Emitters emitters, const WalkConfig& config, const Sink& sink) {
     const Scene& scene = accel.scene();
     const double fewest = std::max(64.0, static_cast<double>(config.rays) / 1024);
     Emitters next(scene);

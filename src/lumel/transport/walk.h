@@ -24,9 +24,9 @@ struct Generation {
 };
 using Sink = std::function<void(const Generation&)>;
 
-/// Walk from `emitters` until roulette ends it. Every generation is shot from the patches that the last one reached (the points drawn anew on
-/// them), so its density is exact given the state before. Hands each generation to `sink`; returns the rays shot.
-/// The mean over streams has no bias but that of patches.
+/// Walk from `emitters` until roulette ends it. Every generation is shot from the patches that the last one reached (the points drawn anew
+/// on them), so its density is exact given the state before. Hands each generation to `sink`; returns the rays shot. The mean over streams
+/// has no bias but that of patches.
 uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, Emitters emitters, const WalkConfig& config, const Sink& sink);
 
 }  // namespace lumel
