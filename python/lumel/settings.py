@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from numbers import Integral, Real
 from typing import Literal
 
 from . import _core
@@ -56,12 +57,16 @@ class Settings:
 
     def check(self, scene: Scene) -> None:
         """Raise SettingsError with all that is out of range or unknown."""
-        if problems := (*self.problems(), *(Problem(text) for text in self._views(scene))):
+        views = () if any(self._kinds()) else self._views(scene)
+        if problems := (*self.problems(), *(Problem(text) for text in views)):
             raise SettingsError(problems)
 
     def problems(self) -> tuple[Problem, ...]:
         """All that is out of range or unknown, whatever the scene."""
-        return tuple(Problem(text) for text in (*self._names(), *self._budgets(), *self._numbers(), *self._sizes()))
+        kinds = tuple(self._kinds())
+        # Ranges mean nothing for what is no number.
+        ranges = () if kinds else (*self._budgets(), *self._numbers(), *self._sizes())
+        return tuple(Problem(text) for text in (*self._names(), *kinds, *ranges))
 
     def cameras(self, scene: Scene) -> tuple[Camera, ...]:
         """The cameras to render, with the size that was asked for."""
@@ -97,6 +102,19 @@ class Settings:
             if layer not in ("all", "rgb", *LAYERS, *DIAGNOSTICS):
                 yield f"unknown layer '{layer}'; {nearest(layer, ('all', 'rgb', *LAYERS, *DIAGNOSTICS))}"
 
+    def _kinds(self) -> Iterator[str]:
+        whole: dict[str, object] = {"rays": self.rays, "patches": self.patches, "seed": self.seed, "threads": self.threads}
+        real: dict[str, object] = {"time": self.time, "error": self.error, "defensive": self.defensive, "gather": self.gather}
+        for kind, allowed, values in ((Integral, "a whole number", whole), (Real, "a number", real)):
+            for name, value in values.items():
+                if not isinstance(value, kind) and (value is not None or name in ("seed", "threads")):
+                    yield f"{name} is {value!r}; allowed: {allowed}"
+        size: object = self.size
+        if size is not None and not (
+            isinstance(size, tuple | list) and len(size) == 2 and all(isinstance(side, Integral) for side in size)
+        ):
+            yield f"size is {size!r}; allowed: (width, height), two whole numbers of pixels"
+
     def _budgets(self) -> Iterator[str]:
         given = [name for name in ("rays", "time", "error") if getattr(self, name) is not None]
         if len(given) > 1:
@@ -112,7 +130,7 @@ class Settings:
         if self.defensive is not None and not 0 <= self.defensive <= 1:
             yield f"defensive is {self.defensive:g}; allowed: 0 to 1, the share of defensive rays"
         if self.gather is not None and not 0 <= self.gather <= 65_536:
-            yield f"gather is {self.gather:g}; allowed: 0 to 65536, gathering rays a patch and 2^20 shooting rays"
+            yield f"gather is {self.gather:g}; allowed: 0 to 65536, gathering rays an area and 2^20 shooting rays"
         if self.patches is not None and not 1 <= self.patches <= 2**30:
             yield f"patches is {self.patches}; allowed: 1 to 2^30"
         if not 0 <= self.seed < 2**64:
@@ -134,10 +152,12 @@ class Settings:
     def _sizes(self) -> Iterator[str]:
         if self.size is not None and not _is_size(*self.size):
             yield f"size is {self.size[0]}x{self.size[1]}; allowed: 1x1 to {LARGEST_PICTURE}x{LARGEST_PICTURE}"
-        if self.gather is not None and not 0 <= self.gather <= 65_536:
-            yield f"gather is {self.gather:g}; allowed: 0 to 65536, gathering rays a patch and 2^20 shooting rays"
         if self.patches is not None and 1 <= self.patches <= 2**30:
             yield from _too_much(f"{self.patches:,} patches", self.patches * BYTES_PER_PATCH)
+
+
+def _is_pair(value: object) -> bool:
+    return isinstance(value, tuple | list) and len(value) == 2 and all(isinstance(side, Integral) for side in value)
 
 
 def _is_size(width: int, height: int) -> bool:
