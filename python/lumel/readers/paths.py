@@ -7,6 +7,8 @@ from pathlib import Path
 
 from ..errors import SceneError
 
+READABLE = (".obj", ".ply", ".stl", ".xml")  # endings that are worth a suggestion
+
 
 def read_file(path: Path) -> bytes:
     """All bytes of a regular file. Raises SceneError that says why not, with the existing file name that is nearest."""
@@ -31,6 +33,6 @@ def _reason(path: Path) -> str:
         return "it is not a regular file"
     if not path.parent.is_dir():
         return f"there is no directory '{path.parent}'"
-    names = sorted(entry.name for entry in path.parent.iterdir() if entry.is_file())
+    names = sorted(entry.name for entry in path.parent.iterdir() if entry.is_file() and entry.suffix.lower() in READABLE)
     close = difflib.get_close_matches(path.name, names, n=1, cutoff=0.5)
     return f"no such file; did you mean '{path.parent / close[0]}'?" if close else "no such file"
