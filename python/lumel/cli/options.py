@@ -27,7 +27,7 @@ Rays = Annotated[str | None, typer.Option("--rays", metavar="N", help="Stop afte
 Time = Annotated[float | None, typer.Option("--time", metavar="SECONDS", help="Wall time from the files read to the picture complete.")]
 Error = Annotated[float | None, typer.Option("--error", metavar="E", help="Stop when the relative error of the picture is below E.")]
 Patches = Annotated[str | None, typer.Option("--patches", metavar="N", help="About so many patches in all.")]
-Quality = Annotated[str | None, typer.Option("--quality", metavar="draft|medium|high", help="Of the eye pass; medium by default.")]
+Quality = Annotated[str | None, typer.Option("--quality", metavar="draft|medium|high", help="Work without a budget; medium by default.")]
 Camera = Annotated[
     str | None, typer.Option("--camera", metavar="NAME|all", help="The first by default; all writes OUT.CAMERA.exr for each.")
 ]
