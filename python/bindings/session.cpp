@@ -22,6 +22,8 @@ public:
         config.solver = {
             transport == "walk" ? Transport::kWalk : Transport::kRays, defensive, gather, first_shot, direct_samples, {}, seed};
         config.areas = areas == "pixels" ? AreaKind::kPixels : AreaKind::kPatches;
+        if ((transport != "walk" && transport != "rays") || (areas != "pixels" && areas != "patches"))
+            throw nb::value_error("unknown transport or areas");
         config.estimator = find_estimator(estimator);
         if (!config.estimator) throw nb::value_error("unknown estimator");
         run([&] { session_ = std::make_unique<Session>(scene, cameras, config); });

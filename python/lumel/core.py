@@ -84,6 +84,9 @@ def find_problems(scene: Scene) -> Iterator[Problem]:
         yield Problem("empty scene: it has no mesh", scene.source or None)
     for mesh in scene.meshes:
         yield from (_at(scene, mesh.name, f"mesh '{mesh.name}': {text}") for text in _mesh_problems(mesh, scene))
+    for name, material in scene.materials.items():
+        if name != material.name:
+            yield _at(scene, name, f"material '{material.name}' is listed as '{name}'; allowed: its own name")
     for material in scene.materials.values():
         yield from (_at(scene, material.name, f"material '{material.name}': {text}") for text in _material_problems(material))
     for light in scene.lights:

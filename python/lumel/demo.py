@@ -25,7 +25,7 @@ from .result import Result
 SCENE = "lumel:demo"
 PATCHES = 21_000
 ESTIMATORS = ("classical", "weighted")
-SECONDS = (0.75, 1.25, 2.0)  # the error is told after each of these; the pictures are those of the last
+SECONDS = (0.5, 1.0, 1.75)  # the error is told after each of these; the pictures are those of the last
 REFERENCE_SHARE = 8  # times the shooting rays of the longest run
 EXPOSURE = 0.0  # EV
 GLOSS = "indirect.specular"

@@ -13,11 +13,12 @@ import numpy as np
 
 from . import _core
 from .core import camera_to_core, to_core
+from .errors import SettingsError
 from .progress import Progress
 from .result import Patches, Result
 from .scene import FloatArray, Scene
 from .schedule import Schedule
-from .settings import QUALITIES, Settings
+from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, QUALITIES, Settings
 
 WORTH_SAYING = 0.1  # share of flagged areas; a few have lobes that reach below the horizon of their triangles
 DIRECT_SAMPLES = 4  # shadow rays a side and replica for the first shot
@@ -61,6 +62,8 @@ def render(
     Raises SettingsError or SceneError with all that is wrong.
     """
     started = clock.monotonic() if started is None else started
+    if not isinstance(scene, Scene):
+        raise SettingsError(f"scene is {scene!r:.80}; allowed: a lumel.Scene, such as lumel.load makes")
     scene, framed = with_camera(scene)
     settings = Settings(
         transport, areas, estimator, defensive, gather, first_shot, rays, time, error, patches, quality, camera, size, seed, threads, layers
@@ -180,6 +183,7 @@ def _metadata(scene: Scene, settings: Settings, stats: dict[str, object]) -> dic
         "seed": str(settings.seed),
         "rays": str(stats["rays"]),
         "time": f"{stats['time']:.3f}",
+        **settings.chosen(),
     }
 
 
@@ -218,4 +222,4 @@ def _patches(core: _core.Scene, session: _core.Session, scene: Scene) -> Patches
 
 def _memory(scene: Scene, core: _core.Scene) -> int:
     pixels = max((c.width * c.height for c in scene.cameras), default=0)
-    return 60_000_000 + core.triangles * 200 + core.patches * 420 + core.glossy_sides * 350 + pixels * 450
+    return 60_000_000 + core.triangles * 200 + core.patches * BYTES_PER_PATCH + core.glossy_sides * 350 + pixels * BYTES_PER_PIXEL

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from numbers import Integral, Real
 from typing import Literal
 
@@ -77,6 +77,11 @@ class Settings:
         else:
             chosen = tuple(camera for camera in scene.cameras if camera.name == self.camera)
         return tuple(camera.with_size(*self.size) for camera in chosen) if self.size else chosen
+
+    def chosen(self) -> dict[str, str]:
+        """The settings that differ from their defaults, as text, by name: what it takes to make a picture again."""
+        said = {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) != f.default}
+        return {name: str(value) for name, value in said.items() if name not in ("layers", "camera", "threads", "rays", "time")}
 
     def gather_rays(self) -> float:
         """Gathering rays for every measured area per 2^20 shooting rays."""

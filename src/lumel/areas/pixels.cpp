@@ -45,8 +45,8 @@ std::optional<uint32_t> pixel_of(const Camera& camera, Vec3 x) {
 
 }  // namespace
 
-PixelAreas::PixelAreas(const Accel& accel, std::vector<Camera> cameras, std::vector<uint32_t> receivers)
-    : accel_(&accel), scene_(&accel.scene()), cameras_(std::move(cameras)), receivers_(std::move(receivers)) {
+PixelAreas::PixelAreas(const Accel& accel, std::vector<Camera> cameras)
+    : accel_(&accel), scene_(&accel.scene()), cameras_(std::move(cameras)) {
     size_t areas = 0;
     for (const Camera& camera : cameras_) {
         first_.push_back(areas);
@@ -54,7 +54,17 @@ PixelAreas::PixelAreas(const Accel& accel, std::vector<Camera> cameras, std::vec
     }
     albedo_.resize(areas);
     tally_ = Tally(areas);
+    find_receivers();
     find_albedo();
+}
+
+void PixelAreas::find_receivers() {
+    for (uint32_t side = 0; side < scene_->sides(); ++side) {
+        if (scene_->glossy_index(side) == Scene::kNone) continue;
+        const Surface x(*scene_, scene_->centre_of_patch(scene_->patch_of_side(side)), scene_->is_back(side));
+        const auto faces = [&](const Camera& camera) { return dot(x.normal, camera.origin - x.x) > 0; };
+        if (std::any_of(cameras_.begin(), cameras_.end(), faces)) receivers_.push_back(side);
+    }
 }
 
 void PixelAreas::find_albedo() {

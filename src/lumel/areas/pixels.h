@@ -18,8 +18,7 @@ namespace lumel {
 /// ([WIS] averages over the surface's area instead.) Gathered samples join as for patches; their points are drawn on the pixel.
 class PixelAreas {
 public:
-    /// `receivers`: glossy sides that any camera may see, in ascending order.
-    PixelAreas(const Accel& accel, std::vector<Camera> cameras, std::vector<uint32_t> receivers);
+    PixelAreas(const Accel& accel, std::vector<Camera> cameras);
 
     uint32_t cameras() const { return static_cast<uint32_t>(cameras_.size()); }
     /// Mean lum specular albedo of a pixel.
@@ -39,6 +38,7 @@ private:
         float g;
     };
     size_t at(uint32_t camera, uint32_t pixel) const { return first_[camera] + pixel; }
+    void find_receivers();
     void find_albedo();
     void shoot_side(const Step& step, uint32_t side, std::vector<Deposit>& deposits) const;
     void gather_pixel(const Step& step, uint32_t camera, uint32_t pixel);
@@ -46,7 +46,7 @@ private:
     const Accel* accel_;
     const Scene* scene_;
     std::vector<Camera> cameras_;
-    std::vector<uint32_t> receivers_;
+    std::vector<uint32_t> receivers_;  // glossy sides that face any camera
     std::vector<size_t> first_;   // per camera: its first area
     std::vector<double> albedo_;  // per area
     Tally tally_;

@@ -16,7 +16,7 @@ constexpr uint32_t kSurveySamples = 8;  // per pixel, to find out which patches 
 
 bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reconstruction& reconstruction, const PixelRadiance* pixels,
               const EyePassConfig& config, const std::atomic<bool>* stop, Film& film) {
-    const EyeShader shader(accel, reconstruction, eye, config.direct_light);
+    const EyeShader shader(accel, reconstruction, eye, config.direct_light, pixels != nullptr);
     const float share = 1.0f / static_cast<float>(config.samples);
     std::vector<EyeSample> pass(film.sum.size());
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, film.height), [&](const auto& rows) {

@@ -34,14 +34,14 @@ std::vector<uint32_t> first_slots_of_single_areas(const Neighbourhood& neighbour
 
 Reconstruction::Reconstruction(const Scene& scene, const Lattice& lattice, const Solution& solution, const Estimator& estimator)
     : scene_(&scene), lattice_(&lattice), neighbourhood_(scene, lattice, solution.areas), specular_(solution.areas.eyes()) {
-    gather_irradiance(solution.indirect, solution.direct);
+    gather_irradiance(solution.indirect);
     for (uint32_t eye = 0; eye < solution.areas.eyes(); ++eye) estimate_specular(solution.areas, estimator, eye);
 }
 
-void Reconstruction::gather_irradiance(const SideField& indirect, const SideField& direct) {
+void Reconstruction::gather_irradiance(const SideField& indirect) {
     const size_t n = size_t{lattice_->size()} * 2;
     std::vector<double> area(n);
-    std::vector<Rgb64> value(n), variance(n), lamps(n);
+    std::vector<Rgb64> value(n), variance(n);
     for (uint32_t side = 0; side < scene_->sides(); ++side) {
         const double a = scene_->side_area(side);
         for (uint32_t vertex : lattice_->corners(scene_->patch_of_side(side))) {
@@ -49,15 +49,13 @@ void Reconstruction::gather_irradiance(const SideField& indirect, const SideFiel
             area[at] += a;
             value[at] += to_double(indirect.mean[side]) * a;
             variance[at] += to_double(indirect.variance[side]) * (a * a);
-            lamps[at] += to_double(direct.mean[side]) * a;
         }
     }
-    irradiance_.resize(n), irradiance_stderr_.resize(n), direct_.resize(n);
+    irradiance_.resize(n), irradiance_stderr_.resize(n);
     for (size_t at = 0; at < n; ++at) {
         if (!(area[at] > 0)) continue;
         irradiance_[at] = (value[at] * (1 / area[at])).to_float();
         irradiance_stderr_[at] = square_root((variance[at] * (1 / (area[at] * area[at]))).to_float());
-        direct_[at] = (lamps[at] * (1 / area[at])).to_float();
     }
 }
 
@@ -108,17 +106,7 @@ Reconstructed Reconstruction::irradiance(SurfacePoint p, bool back) const {
     return r;
 }
 
-Rgb Reconstruction::total_irradiance(SurfacePoint p, bool back) const {
-    const Lattice::Stencil s = lattice_->stencil(p);
-    Rgb sum;
-    for (int k = 0; k < 3; ++k) {
-        const uint32_t at = vertex_side(s.vertex[k], back);
-        sum += (irradiance_[at] + direct_[at]) * s.weight[k];
-    }
-    return sum;
-}
-
-Reconstructed Reconstruction::specular(uint32_t eye, SurfacePoint p, bool back) const {
+std::optional<Reconstructed> Reconstruction::specular(uint32_t eye, SurfacePoint p, bool back) const {
     const Lattice::Stencil s = lattice_->stencil(p);
     Reconstructed r;
     float weight = 0;
@@ -130,7 +118,8 @@ Reconstructed Reconstruction::specular(uint32_t eye, SurfacePoint p, bool back) 
         r.stderr_ += specular_[eye][slot].stderr_ * s.weight[k];
         r.trust += specular_[eye][slot].trust * s.weight[k];
     }
-    return weight > 0 ? Reconstructed{r.value / weight, r.stderr_ / weight, r.trust * (1 / weight)} : Reconstructed{};
+    if (!(weight > 0)) return {};
+    return Reconstructed{r.value / weight, r.stderr_ / weight, r.trust * (1 / weight)};
 }
 
 }  // namespace lumel

@@ -1,6 +1,8 @@
 // The solution between patches: irradiance and specular radiance at lattice vertices, interpolated linearly over patches.
 #pragma once
 
+#include <optional>
+
 #include "lumel/areas/irradiance.h"
 #include "lumel/areas/neighbourhood.h"
 #include "lumel/areas/patches.h"
@@ -15,10 +17,9 @@ struct Reconstructed {
     Trust trust;  ///< of specular estimates
 };
 
-/// What a solve knows of the sides: irradiance that was shot, irradiance straight from lamps, and the measured areas.
+/// What a solve knows of the sides: irradiance that was shot, and the measured areas.
 struct Solution {
     const SideField& indirect;
-    const SideField& direct;
     const PatchAreas& areas;
 };
 
@@ -30,10 +31,8 @@ public:
 
     /// Irradiance that was shot (indirect, or all without the first shot), W/m2.
     Reconstructed irradiance(SurfacePoint p, bool back) const;
-    /// Irradiance that was shot and direct irradiance together, W/m2.
-    Rgb total_irradiance(SurfacePoint p, bool back) const;
-    /// Indirect specular radiance towards an eye, W/(m2 sr); nothing where it was not measured.
-    Reconstructed specular(uint32_t eye, SurfacePoint p, bool back) const;
+    /// Indirect specular radiance towards an eye, W/(m2 sr); nothing where none of the vertices around was measured.
+    std::optional<Reconstructed> specular(uint32_t eye, SurfacePoint p, bool back) const;
 
     /// Vertices that had no sample of their own and took those of their neighbours, and vertices that found none there either.
     uint32_t borrowed() const { return borrowed_; }
@@ -42,13 +41,13 @@ public:
     double flagged() const { return measured_ > 0 ? static_cast<double>(flagged_) / measured_ : 0; }
 
 private:
-    void gather_irradiance(const SideField& indirect, const SideField& direct);
+    void gather_irradiance(const SideField& indirect);
     void estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye);
     uint32_t vertex_side(uint32_t vertex, bool back) const { return vertex + (back ? lattice_->size() : 0); }
 
     const Scene* scene_;
     const Lattice* lattice_;
-    std::vector<Rgb> irradiance_, irradiance_stderr_, direct_;   // per vertex and side
+    std::vector<Rgb> irradiance_, irradiance_stderr_;  // per vertex and side
     Neighbourhood neighbourhood_;
     std::vector<std::vector<Reconstructed>> specular_;           // per eye and slot of the neighbourhood
     uint32_t borrowed_ = 0, unfilled_ = 0, measured_ = 0, flagged_ = 0;

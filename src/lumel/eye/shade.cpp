@@ -78,17 +78,19 @@ EyeSample EyeShader::sample(Ray ray, EyeStream& stream) const {
     s.indirect_diffuse = x.material->diffuse * irradiance.value * kInvPi;
     s.solution_stderr = x.material->diffuse * irradiance.stderr_ * kInvPi;
 
-    // The estimator knows the specular light towards the eye itself; what a mirror shows of a glossy surface is gathered.
+    // The estimator knows the specular light towards the eye itself; where it was not measured, and what a mirror shows of a glossy
+    // surface, is gathered.
     if (glossy) {
-        const bool seen_directly = m.mirrors == 0;
-        const LobeLight light = lobe(x, wo, !seen_directly, stream);
+        const bool measured_in_pixel = pixels_ && m.mirrors == 0;
+        std::optional<Reconstructed> specular;
+        if (m.mirrors == 0 && !pixels_) specular = reconstruction_.specular(eye_, p, back);
+        const LobeLight light = lobe(x, wo, !specular && !measured_in_pixel, stream);
         s.direct += light.direct;
         s.indirect_specular = light.indirect;
-        if (seen_directly) {
-            const Reconstructed specular = reconstruction_.specular(eye_, p, back);
-            s.indirect_specular = specular.value;
-            s.solution_stderr += specular.stderr_;
-            s.trust = specular.trust;
+        if (specular) {
+            s.indirect_specular = specular->value;
+            s.solution_stderr += specular->stderr_;
+            s.trust = specular->trust;
         }
     }
     for (Rgb* radiance : {&s.direct, &s.indirect_diffuse, &s.indirect_specular, &s.solution_stderr}) *radiance *= m.throughput;
@@ -119,36 +121,48 @@ EyeShader::LobeLight EyeShader::lobe(const Surface& x, Vec3 wo, bool indirect, E
     const Ray ray{x.off(scene_.epsilon()), draw.wi};
     LobeLight light;
     const Hit hit = accel_.intersect(ray);
-    if (!hit.is_miss() && !hit.back && scene_.lamp_of(hit.triangle) >= 0 && direct_light_) {
-        const float distance = length(scene_.position(hit.point()) - ray.origin);
-        const float other = LampView(scene_, x).pdf_w(hit.triangle, draw.wi, distance);
-        light.direct = draw.scatter * scene_.emission(hit.triangle) * (draw.pdf_w / (draw.pdf_w + other));
+    if (!hit.is_miss() && !hit.back && scene_.lamp_of(hit.triangle) >= 0) {
+        const Rgb emission = draw.scatter * scene_.emission(hit.triangle);
+        if (direct_light_)
+            light.direct = emission * share_of_lobe(x, draw.pdf_w, ray, hit);
+        else if (indirect)
+            light.indirect = emission;
     }
-    if (indirect) light.indirect = gather(ray, draw.scatter, !direct_light_, stream);
+    if (indirect) light.indirect += gather(ray, draw.scatter, stream);
     return light;
 }
 
-Rgb EyeShader::gather(Ray ray, Rgb throughput, bool emission_counts, EyeStream& stream) const {
+float EyeShader::share_of_lobe(const Surface& x, float pdf_w, const Ray& ray, const Hit& hit) const {
+    const float distance = length(scene_.position(hit.point()) - ray.origin);
+    return pdf_w / (pdf_w + LampView(scene_, x).pdf_w(hit.triangle, ray.direction, distance));
+}
+
+Rgb EyeShader::gather(Ray ray, Rgb throughput, EyeStream& stream) const {
     Rgb sum;
     for (int step = 0; step < kLobes; ++step) {
         const Meeting m = meet(ray, stream);
         sum += throughput * m.mirrored_emission;
-        if (emission_counts) sum += throughput * m.emission;
         if (m.hit.is_miss()) break;
         throughput *= m.throughput;
         const Surface x(scene_, m.hit.point(), m.hit.back);
         if (!x.scatters) break;
-        sum += throughput * x.material->diffuse * reconstruction_.total_irradiance(m.hit.point(), m.hit.back) * kInvPi;
+        const Vec3 wo = -ray.direction;
+        sum += throughput * x.material->diffuse * reconstruction_.irradiance(m.hit.point(), m.hit.back).value * kInvPi;
+        if (direct_light_) sum += throughput * lamps(x, wo, stream);
 
         // Follow one sample of the specular lobe; roulette ends it by its albedo.
         if (!x.material->is_glossy()) break;
-        const LobeDraw draw = draw_lobe(x, -ray.direction, stream.next());
+        const LobeDraw draw = draw_lobe(x, wo, stream.next());
         if (!(draw.pdf_w > 0)) break;
         const float survive = std::min(1.0f, max_component(draw.scatter));
         if (!(stream.next_one() < survive)) break;
         throughput *= draw.scatter * (1 / survive);
-        emission_counts = true;
         ray = {x.off(scene_.epsilon()), draw.wi};
+
+        // A lamp that it meets at once could have been sampled from x as well.
+        const Hit hit = accel_.intersect(ray);
+        if (!hit.is_miss() && !hit.back && scene_.lamp_of(hit.triangle) >= 0)
+            sum += throughput * scene_.emission(hit.triangle) * (direct_light_ ? share_of_lobe(x, draw.pdf_w, ray, hit) : 1.0f);
     }
     return sum;
 }

@@ -24,8 +24,10 @@ private:
 
 class EyeShader {
 public:
-    EyeShader(const Accel& accel, const Reconstruction& reconstruction, uint32_t eye, bool direct_light)
-        : accel_(accel), scene_(accel.scene()), reconstruction_(reconstruction), eye_(eye), direct_light_(direct_light) {}
+    /// `direct_light`: lamps are sampled here, the solution is without their light. `pixels`: the specular light of what is seen
+    /// directly is measured in pixels, and left to them.
+    EyeShader(const Accel& accel, const Reconstruction& reconstruction, uint32_t eye, bool direct_light, bool pixels)
+        : accel_(accel), scene_(accel.scene()), reconstruction_(reconstruction), eye_(eye), direct_light_(direct_light), pixels_(pixels) {}
 
     EyeSample sample(Ray ray, EyeStream& stream) const;
 
@@ -47,14 +49,16 @@ private:
         Rgb direct, indirect;
     };
     LobeLight lobe(const Surface& x, Vec3 wo, bool indirect, EyeStream& stream) const;
-    /// Radiance of the solution along `ray`: diffuse from the patches, specular lobes followed.
-    Rgb gather(Ray ray, Rgb throughput, bool emission_counts, EyeStream& stream) const;
+    /// Share that a lamp met by a ray of the lobe has against `lamps`, which could have drawn it: the balance heuristic.
+    float share_of_lobe(const Surface& x, float pdf_w, const Ray& ray, const Hit& hit) const;
+    /// Radiance along `ray`, but what its first surface emits: diffuse from the patches, lamps sampled, specular lobes followed.
+    Rgb gather(Ray ray, Rgb throughput, EyeStream& stream) const;
 
     const Accel& accel_;
     const Scene& scene_;
     const Reconstruction& reconstruction_;
     uint32_t eye_;
-    bool direct_light_;
+    bool direct_light_, pixels_;
 };
 
 }  // namespace lumel

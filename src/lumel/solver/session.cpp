@@ -30,17 +30,15 @@ Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& 
     // Gathered samples cover all that a lobe can see, and `classical` asks for no cover.
     const bool covered = config_.solver.gather > 0 || config_.estimator == find_estimator("classical");
     if (config_.solver.defensive < 0) config_.solver.defensive = covered ? 0 : defensive_.open() ? kDefensiveOpen : kDefensiveClosed;
-    const auto glossy = visible_glossy_sides(accel_, lattice_, cameras_);
-    if (config.areas == AreaKind::kPixels)
-        solver_.emplace(accel_, defensive_, config_.solver, PatchAreas(scene_, eyes_of(cameras_), {}),
-                        PixelAreas(accel_, cameras_, glossy));
-    else
-        solver_.emplace(accel_, defensive_, config_.solver, PatchAreas(scene_, eyes_of(cameras_), glossy));
+    const bool in_pixels = config.areas == AreaKind::kPixels;
+    PatchAreas patches(scene_, eyes_of(cameras_), in_pixels ? std::vector<uint32_t>{} : visible_glossy_sides(accel_, lattice_, cameras_));
+    solver_.emplace(accel_, defensive_, config_.solver, std::move(patches));
+    if (in_pixels) solver_->measure_pixels(PixelAreas(accel_, cameras_));
 }
 
 void Session::reconstruct() {
-    const SideField indirect = solver_->indirect(), direct = solver_->direct();
-    reconstruction_.emplace(scene_, lattice_, Solution{indirect, direct, solver_->areas()}, *config_.estimator);
+    const SideField indirect = solver_->indirect();
+    reconstruction_.emplace(scene_, lattice_, Solution{indirect, solver_->areas()}, *config_.estimator);
     pixels_.clear();
     for (uint32_t c = 0; solver_->pixels() && c < cameras_.size(); ++c)
         pixels_.push_back(estimate_pixels(*solver_->pixels(), cameras_[c], c, *config_.estimator));

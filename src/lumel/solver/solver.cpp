@@ -12,13 +12,11 @@ constexpr double kRaysPerFullStep = 1 << 20;
 
 }  // namespace
 
-Solver::Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfig config, PatchAreas areas,
-               std::optional<PixelAreas> pixels)
+Solver::Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfig config, PatchAreas areas)
     : accel_(&accel),
       defensive_(&defensive),
       config_(config),
       areas_(std::move(areas)),
-      pixels_(std::move(pixels)),
       direct_(accel.scene().sides()),
       indirect_(accel.scene().sides()) {}
 

@@ -34,8 +34,9 @@ struct SolverStats {
 /// All results are pure functions of scene, config and the sequence of calls, whatever the number of threads.
 class Solver {
 public:
-    Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfig config, PatchAreas areas,
-           std::optional<PixelAreas> pixels = {});
+    Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfig config, PatchAreas areas);
+    /// Measure pixels too, from the first replica on.
+    void measure_pixels(PixelAreas pixels) { pixels_ = std::move(pixels); }
 
     /// Start replica `replicas()`: its own first shot and, for `rays`, its own solution by power with about `solve_rays` rays.
     void begin_replica(uint64_t solve_rays);
