@@ -131,7 +131,7 @@ void Scene::order_along_curve() {
         code[t] = spread3(cell(c.x, extent.x)) | spread3(cell(c.y, extent.y)) << 1 | spread3(cell(c.z, extent.z)) << 2;
     }
     std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return code[a] < code[b]; });
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return code[a] != code[b] ? code[a] < code[b] : a < b; });
     const auto permute = [&](auto& values) {
         auto sorted = values;
         for (size_t t = 0; t < order.size(); ++t) sorted[t] = values[order[t]];
