@@ -110,22 +110,6 @@ nb::typed<nb::dict, nb::str, nb::object> stats(BoundSession& self) {
     return d;
 }
 
-/// Estimates of all measured sides towards one eye: side, value rgb, variance rgb, mean g/p, its variance, hits, F rgb: (n, 13) float.
-Array area_estimates(BoundSession& self, uint32_t eye, const std::string& estimator) {
-    const PatchAreas& areas = self.session().solver().areas();
-    const Estimator* e = find_estimator(estimator);
-    if (!e) throw nb::value_error("unknown estimator");
-    std::vector<float> values;
-    for (uint32_t area = 0; area < areas.size(); ++area) {
-        const Samples s = areas.samples(eye, area);
-        const Estimate estimate = e->estimate(s);
-        const Rgb v = estimate.value.to_float(), w = estimate.variance.to_float(), f = s.f.to_float();
-        values.insert(values.end(), {static_cast<float>(areas.sides()[area]), v.x, v.y, v.z, w.x, w.y, w.z, static_cast<float>(s.g),
-                                     static_cast<float>(s.var_g), static_cast<float>(s.hits), f.x, f.y, f.z});
-    }
-    return to_numpy(std::move(values), {areas.size(), 13});
-}
-
 }  // namespace
 
 void bind_session(nb::module_& m) {
@@ -143,7 +127,6 @@ void bind_session(nb::module_& m) {
         .def("layers", layers, nb::arg("camera"))
         .def("direct", [](BoundSession& self) { return field(self.session().solver().direct()); })
         .def("indirect", [](BoundSession& self) { return field(self.session().solver().indirect()); })
-        .def("area_estimates", area_estimates, nb::arg("eye"), nb::arg("estimator"))
         .def("borrowed", [](BoundSession& self) { return self.session().borrowed(); })
         .def("unfilled", [](BoundSession& self) { return self.session().unfilled(); })
         .def("flagged", [](BoundSession& self) { return self.session().flagged(); })

@@ -8,6 +8,9 @@
 
 namespace lumel {
 
+/// Hits that the neighbours of an area should have together.
+inline constexpr uint64_t kEnoughAround = 32;
+
 /// Vertices of the measured sides are numbered as slots; each knows the areas that share it and can look further.
 class Neighbourhood {
 public:

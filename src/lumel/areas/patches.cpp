@@ -35,11 +35,6 @@ PatchAreas::PatchAreas(const Scene& scene, std::vector<Vec3> eyes, std::vector<u
         for (uint32_t eye = 0; eye < eyes_.size(); ++eye) albedo_[at(eye, area)] = mean_albedo(scene, sides_[area], eyes_[eye]);
 }
 
-uint32_t PatchAreas::find(uint32_t side) const {
-    const auto it = std::lower_bound(sides_.begin(), sides_.end(), side);
-    return it != sides_.end() && *it == side ? static_cast<uint32_t>(it - sides_.begin()) : Scene::kNone;
-}
-
 void PatchAreas::measure(const Step& step) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, size(), 64), [&](const auto& range) {
         for (uint32_t area = range.begin(); area < range.end(); ++area) {

@@ -22,8 +22,6 @@ public:
     uint32_t size() const { return static_cast<uint32_t>(sides_.size()); }
     uint32_t eyes() const { return static_cast<uint32_t>(eyes_.size()); }
     const std::vector<uint32_t>& sides() const { return sides_; }
-    /// Index of a side among the measured ones, or Scene::kNone.
-    uint32_t find(uint32_t side) const;
     /// Mean lum specular albedo of a measured side towards an eye; 0 where the side faces away.
     double albedo(uint32_t eye, uint32_t area) const { return albedo_[at(eye, area)]; }
 

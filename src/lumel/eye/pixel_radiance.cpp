@@ -7,7 +7,6 @@ namespace lumel {
 namespace {
 
 constexpr int kFarthest = 6;             // pixels
-constexpr uint64_t kEnoughAround = 32;   // hits that neighbours should have together
 constexpr double kAlike = 0.25;          // relative difference of albedo
 
 /// Mean samples of the glossy pixels like this one in rings around it, itself left out.

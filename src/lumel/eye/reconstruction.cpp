@@ -6,8 +6,6 @@ namespace lumel {
 
 namespace {
 
-constexpr uint64_t kEnoughAround = 32;  // hits that neighbours should have together
-
 Rgb square_root(Rgb v) { return {std::sqrt(v.x), std::sqrt(v.y), std::sqrt(v.z)}; }
 
 /// Samples of several patches before division by area, with what to divide them by.

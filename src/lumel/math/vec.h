@@ -32,7 +32,6 @@ constexpr Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x 
 inline float length(Vec3 a) { return std::sqrt(dot(a, a)); }
 inline Vec3 normalize(Vec3 a) { return a * (1.0f / length(a)); }
 constexpr float max_component(Vec3 a) { return std::max(a.x, std::max(a.y, a.z)); }
-constexpr float min_component(Vec3 a) { return std::min(a.x, std::min(a.y, a.z)); }
 constexpr float sqr(float x) { return x * x; }
 
 /// Linear Rec.709 colour; radiance in W/(m2 sr), flux in W, albedo in 0..1.

@@ -25,7 +25,6 @@ struct Material {
     Fresnel fresnel;
     bool two_sided = true;
 
-    bool is_diffuse() const { return max_component(diffuse) > 0; }
     bool is_glossy() const { return max_component(specular) > 0; }
     bool is_mirror() const { return max_component(mirror) > 0; }
 
