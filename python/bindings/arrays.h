@@ -29,11 +29,12 @@ std::span<const T> column(const Column<T>& array) {
     return {array.data(), array.shape(0)};
 }
 
-/// Give floats to numpy, which then owns them.
-inline Array to_numpy(std::vector<float> values, std::vector<size_t> shape) {
-    auto owned = std::make_unique<std::vector<float>>(std::move(values));
-    float* data = owned->data();
-    nb::capsule owner(owned.release(), [](void* p) noexcept { delete static_cast<std::vector<float>*>(p); });
+/// Give numbers to numpy, which then owns them.
+template <class T>
+nb::ndarray<nb::numpy, T> to_numpy(std::vector<T> values, std::vector<size_t> shape) {
+    auto owned = std::make_unique<std::vector<T>>(std::move(values));
+    T* data = owned->data();
+    nb::capsule owner(owned.release(), [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
     return {data, shape.size(), shape.data(), owner};
 }
 inline std::vector<float> flat(std::span<const lumel::Rgb> colours) {

@@ -46,6 +46,11 @@ public:
         run([&] { done = session_->eye_pass(camera, samples); });
         return done;
     }
+    std::vector<MeasuredArea> measured(uint32_t camera, const Estimator& estimator) {
+        std::vector<MeasuredArea> all;
+        run([&] { all = session_->measured(camera, estimator); });
+        return all;
+    }
     Session& session() { return *session_; }
 
 private:
@@ -90,6 +95,43 @@ nb::typed<nb::dict, nb::str, Array> layers(BoundSession& self, uint32_t camera) 
     return d;
 }
 
+/// The areas of interest of a camera, estimated one by one: `index` (n,) is the patch (plus the number of patches on its back) or the pixel;
+/// `value` and `stderr` (n, 3) W/(m2 sr), and what the estimate is made of.
+nb::typed<nb::dict, nb::str, nb::object> areas(BoundSession& self, uint32_t camera, const std::string& name) {
+    const Estimator* estimator = find_estimator(name);
+    if (!estimator || camera >= self.session().cameras().size()) throw nb::value_error("unknown estimator or camera");
+    const auto measured = self.measured(camera, *estimator);
+    const size_t n = measured.size();
+    nb::typed<nb::dict, nb::str, nb::object> d;
+    const auto add_rgb = [&](const char* key, auto&& of) {
+        std::vector<double> values;
+        for (const MeasuredArea& area : measured) {
+            const Rgb64 v = of(area);
+            values.insert(values.end(), {v.x, v.y, v.z});
+        }
+        d[key] = to_numpy(std::move(values), {n, 3});
+    };
+    const auto add_scalar = [&](const char* key, auto&& of) {
+        std::vector<double> values;
+        for (const MeasuredArea& area : measured) values.push_back(static_cast<double>(of(area)));
+        d[key] = to_numpy(std::move(values), {n});
+    };
+    std::vector<uint32_t> index;
+    for (const MeasuredArea& area : measured) index.push_back(area.index);
+    d["index"] = to_numpy(std::move(index), {n});
+    add_rgb("value", [](const MeasuredArea& a) { return a.at.estimate.value; });
+    add_rgb("variance", [](const MeasuredArea& a) { return a.at.estimate.variance; });
+    add_rgb("mean", [](const MeasuredArea& a) { return a.at.samples.f + a.at.samples.plain; });
+    add_scalar("albedo", [](const MeasuredArea& a) { return a.albedo; });
+    add_scalar("weight", [](const MeasuredArea& a) { return a.at.samples.g; });
+    add_scalar("weight.variance", [](const MeasuredArea& a) { return a.at.samples.var_g; });
+    add_scalar("hits", [](const MeasuredArea& a) { return a.at.samples.hits; });
+    add_scalar("uncovered", [](const MeasuredArea& a) { return a.at.samples.uncovered(); });
+    add_scalar("flag", [](const MeasuredArea& a) { return a.at.trust.flag; });
+    add_scalar("borrowed", [](const MeasuredArea& a) { return a.at.borrowed; });
+    return d;
+}
+
 /// Irradiance of all sides: mean and variance of the mean, each (2, patches, 3): front, back.
 nb::typed<nb::tuple, Array, Array> field(const SideField& f) {
     const size_t patches = f.mean.size() / 2;
@@ -125,6 +167,7 @@ void bind_session(nb::module_& m) {
         .def("eye_pass", &BoundSession::eye_pass, nb::arg("camera"), nb::arg("samples"))
         .def("stop", [](BoundSession& self) { self.session().stop(); })
         .def("layers", layers, nb::arg("camera"))
+        .def("areas", areas, nb::arg("camera"), nb::arg("estimator"))
         .def("direct", [](BoundSession& self) { return field(self.session().solver().direct()); })
         .def("indirect", [](BoundSession& self) { return field(self.session().solver().indirect()); })
         .def("borrowed", [](BoundSession& self) { return self.session().borrowed(); })

@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "lumel/areas/lobe_looks.h"
 #include "lumel/sampling/hash.h"
 #include "lumel/sampling/warp.h"
 #include "lumel/scene/surface.h"
@@ -10,8 +11,6 @@
 namespace lumel {
 
 namespace {
-
-constexpr uint32_t kLooks = 16;  // gathered at a time
 
 /// Mean lum(a_s) of a side towards an eye, by the edge midpoints rule.
 double mean_albedo(const Scene& scene, uint32_t side, Vec3 eye) {
@@ -39,7 +38,7 @@ void PatchAreas::measure(const Step& step) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, size(), 64), [&](const auto& range) {
         for (uint32_t area = range.begin(); area < range.end(); ++area) {
             measure_shot(step, area);
-            for (uint32_t eye = 0; step.gather > 0 && eye < eyes(); ++eye) measure_gathered(step, area, eye);
+            for (uint32_t eye = 0; eye < eyes(); ++eye) look(step, area, eye);
         }
     });
 }
@@ -72,39 +71,23 @@ void PatchAreas::measure_shot(const Step& step, uint32_t area) {
     }
 }
 
-void PatchAreas::measure_gathered(const Step& step, uint32_t area, uint32_t eye) {
+void PatchAreas::look(const Step& step, uint32_t area, uint32_t eye) {
     if (!(albedo_[at(eye, area)] > 0)) return;
     const uint32_t side = sides_[area], patch = scene_->patch_of_side(side);
-    const float gather_density = static_cast<float>(step.gather) / scene_->side_area(side);
     const uint64_t stream = key(step.stream, side, eye);
-    const uint32_t count = step.gather_count(stream);
-    for (uint32_t first = 0; first < count; first += kLooks) {
-        // Draw points on the side and directions of the lobe around the eye's.
-        std::array<Look, kLooks> looks;
-        std::array<Seen, kLooks> seen;
-        std::array<Rgb, kLooks> scatter;
-        std::array<float, kLooks> pdf, cos;
-        uint32_t n = 0;
-        for (uint32_t i = first; i < std::min(count, first + kLooks); ++i) {
-            const SurfacePoint p = scene_->point_on_patch(patch, square_to_triangle(sobol2d(i, key(stream, 1))));
-            const Surface x(*scene_, p, scene_->is_back(side));
-            const Frame frame(x.shading);
-            const Vec3 wo = frame.to_local(normalize(eyes_[eye] - x.x));
-            if (!(wo.z > 0)) continue;
-            const Vec3 wi = ggx::sample(wo, x.material->alpha, sobol2d(i, key(stream, 2))), w = frame.to_world(wi);
-            cos[n] = dot(x.normal, w);
-            pdf[n] = ggx::pdf_w(wo, wi, x.material->alpha);
-            if (!(pdf[n] > 0 && cos[n] > 0)) continue;
-            scatter[n] = x.material->scatter_s(wi, wo);
-            cos[n] *= 1 - x.material->mirror_choice();
-            looks[n++] = {x.off(scene_->epsilon()), w};
-        }
-        step.sight.see(std::span(looks).first(n), std::span(seen).first(n));
-        for (uint32_t i = 0; i < n; ++i) {
-            const double q = double{seen[i].density} * double{cos[i]} + double{gather_density} * double{pdf[i]};
-            tally_.add(at(eye, area), step, to_double(scatter[i]) * to_double(seen[i].radiance) * (1 / q), double{lum(scatter[i])} / q);
-        }
-    }
+    const bool gathers = step.gather > 0;
+    const auto draw = [&](LobeLooks& looks, uint32_t i) {
+        const SurfacePoint p = scene_->point_on_patch(patch, square_to_triangle(sobol2d(i, key(stream, 1))));
+        const Surface x(*scene_, p, scene_->is_back(side));
+        looks.draw(*scene_, x, normalize(eyes_[eye] - x.x), 1, sobol2d(i, key(stream, 2)));
+    };
+    const auto use = [&](const LobeLooks& looks) {
+        if (gathers)
+            looks.samples(step.gather / double{scene_->side_area(side)}, [&](Rgb64 f, double g) { tally_.add(at(eye, area), step, f, g); });
+        else
+            for (uint32_t i = 0; i < looks.size(); ++i) tally_.add_look(at(eye, area), step, looks.is_covered(i));
+    };
+    look_around(gathers ? step.gather_count(stream) : step.look_count(tally_.size(), stream), step.sight, draw, use);
 }
 
 Samples PatchAreas::samples(uint32_t eye, uint32_t area) const {

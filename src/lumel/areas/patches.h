@@ -22,6 +22,8 @@ public:
     uint32_t size() const { return static_cast<uint32_t>(sides_.size()); }
     uint32_t eyes() const { return static_cast<uint32_t>(eyes_.size()); }
     const std::vector<uint32_t>& sides() const { return sides_; }
+    /// m2
+    double area(uint32_t area) const { return double{scene_->side_area(sides_[area])}; }
     /// Mean lum specular albedo of a measured side towards an eye; 0 where the side faces away.
     double albedo(uint32_t eye, uint32_t area) const { return albedo_[at(eye, area)]; }
 
@@ -38,7 +40,8 @@ public:
 private:
     size_t at(uint32_t eye, uint32_t area) const { return size_t{area} * eyes_.size() + eye; }
     void measure_shot(const Step& step, uint32_t area);
-    void measure_gathered(const Step& step, uint32_t area, uint32_t eye);
+    /// Gather, or with nothing to gather look now and then what the density covers.
+    void look(const Step& step, uint32_t area, uint32_t eye);
 
     const Scene* scene_;
     std::vector<Vec3> eyes_;

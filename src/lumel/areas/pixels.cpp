@@ -5,13 +5,13 @@
 
 #include <optional>
 
+#include "lumel/areas/lobe_looks.h"
 #include "lumel/sampling/warp.h"
 
 namespace lumel {
 
 namespace {
 
-constexpr uint32_t kLooks = 16;          // gathered at a time
 constexpr uint32_t kSides = 256;         // receivers of a work item
 constexpr uint32_t kAlbedoSamples = 16;  // for a pixel, and this many times as many where it is not uniform
 
@@ -106,11 +106,10 @@ void PixelAreas::measure(const Step& step) {
             else
                 tally_.add(d.area, step, to_double(d.f), double{d.g});
         }
-    if (!(step.gather > 0)) return;
     for (uint32_t camera = 0; camera < cameras(); ++camera)
         tbb::parallel_for(uint32_t{0}, cameras_[camera].width * cameras_[camera].height, [&](uint32_t pixel) {
             const FlushDenormals flush;
-            gather_pixel(step, camera, pixel);
+            look(step, camera, pixel);
         });
 }
 
@@ -141,42 +140,26 @@ void PixelAreas::shoot_side(const Step& step, uint32_t side, std::vector<Deposit
     }
 }
 
-void PixelAreas::gather_pixel(const Step& step, uint32_t camera, uint32_t pixel) {
+void PixelAreas::look(const Step& step, uint32_t camera, uint32_t pixel) {
     if (!(albedo(camera, pixel) > 0)) return;
     const size_t area = at(camera, pixel);
     const uint64_t stream = key(step.stream, camera, pixel);
-    const uint32_t count = step.gather_count(stream);
-    for (uint32_t first = 0; first < count; first += kLooks) {
-        std::array<Look, kLooks> looks;
-        std::array<Seen, kLooks> seen;
-        std::array<Rgb, kLooks> scatter;
-        std::array<float, kLooks> pdf, cos, density;
-        uint32_t n = 0;
-        for (uint32_t i = first; i < std::min(count, first + kLooks); ++i) {
-            // Draw a point of the pixel, and a direction of the lobe of what is seen there.
-            const Ray ray{cameras_[camera].origin,
-                          cameras_[camera].direction(on_film(cameras_[camera], pixel, sobol2d(i, key(stream, 1))))};
-            const Hit hit = accel_->intersect(ray);
-            if (hit.is_miss()) continue;
-            const Surface x(*scene_, hit.point(), hit.back);
-            const Frame frame(x.shading);
-            const Vec3 wo = frame.to_local(-ray.direction);
-            if (!x.scatters || !x.material->is_glossy() || !(wo.z > 0)) continue;
-            const Vec3 wi = ggx::sample(wo, x.material->alpha, sobol2d(i, key(stream, 2))), w = frame.to_world(wi);
-            cos[n] = dot(x.normal, w);
-            pdf[n] = ggx::pdf_w(wo, wi, x.material->alpha);
-            density[n] = film_density(cameras_[camera], x);
-            if (!(pdf[n] > 0 && cos[n] > 0 && density[n] > 0)) continue;
-            scatter[n] = x.material->scatter_s(wi, wo);
-            cos[n] *= 1 - x.material->mirror_choice();
-            looks[n++] = {x.off(scene_->epsilon()), w};
-        }
-        step.sight.see(std::span(looks).first(n), std::span(seen).first(n));
-        for (uint32_t i = 0; i < n; ++i) {
-            const double q = double{seen[i].density} * double{cos[i]} / double{density[i]} + step.gather * double{pdf[i]};
-            tally_.add(area, step, to_double(scatter[i]) * to_double(seen[i].radiance) * (1 / q), double{lum(scatter[i])} / q);
-        }
-    }
+    const bool gathers = step.gather > 0;
+    const auto draw = [&](LobeLooks& looks, uint32_t i) {
+        const Ray ray{cameras_[camera].origin, cameras_[camera].direction(on_film(cameras_[camera], pixel, sobol2d(i, key(stream, 1))))};
+        const Hit hit = accel_->intersect(ray);
+        if (hit.is_miss()) return;
+        const Surface x(*scene_, hit.point(), hit.back);
+        if (!x.scatters || !x.material->is_glossy()) return;
+        looks.draw(*scene_, x, -ray.direction, film_density(cameras_[camera], x), sobol2d(i, key(stream, 2)));
+    };
+    const auto use = [&](const LobeLooks& looks) {
+        if (gathers)
+            looks.samples(step.gather, [&](Rgb64 f, double g) { tally_.add(area, step, f, g); });
+        else
+            for (uint32_t i = 0; i < looks.size(); ++i) tally_.add_look(area, step, looks.is_covered(i));
+    };
+    look_around(gathers ? step.gather_count(stream) : step.look_count(tally_.size(), stream), step.sight, draw, use);
 }
 
 Samples PixelAreas::samples(uint32_t camera, uint32_t pixel) const {

@@ -21,6 +21,7 @@ public:
     PixelAreas(const Accel& accel, std::vector<Camera> cameras);
 
     uint32_t cameras() const { return static_cast<uint32_t>(cameras_.size()); }
+    const Camera& camera(uint32_t index) const { return cameras_[index]; }
     /// Mean lum specular albedo of a pixel.
     double albedo(uint32_t camera, uint32_t pixel) const { return albedo_[at(camera, pixel)]; }
     void measure(const Step& step);
@@ -41,7 +42,8 @@ private:
     void find_receivers();
     void find_albedo();
     void shoot_side(const Step& step, uint32_t side, std::vector<Deposit>& deposits) const;
-    void gather_pixel(const Step& step, uint32_t camera, uint32_t pixel);
+    /// Gather, or with nothing to gather look now and then what the density covers.
+    void look(const Step& step, uint32_t camera, uint32_t pixel);
 
     const Accel* accel_;
     const Scene* scene_;

@@ -25,7 +25,9 @@ Samples Tally::samples(size_t area) const {
               .plain = m.plain * (1 / r),
               .fg = m.single_fg * (1 / (r * r)),
               .gg = m.single_gg / (r * r),
-              .hits = m.hits};
+              .hits = m.hits,
+              .looks = m.looks,
+              .looks_uncovered = m.looks_uncovered};
     if (replicas_ < 2) return s;
     const double scale = 1 / (r * (r - 1));
     s.var_f = (m.ff - m.f * m.f * (1 / r)) * scale;
@@ -46,6 +48,7 @@ Samples scaled(const Samples& u, double f, double g) {
 Samples pooled(const Samples& a, const Samples& b) {
     Samples s = a;
     s.f += b.f, s.plain += b.plain, s.g += b.g, s.hits += b.hits, s.fg += b.fg, s.gg += b.gg;
+    s.looks += b.looks, s.looks_uncovered += b.looks_uncovered;
     s.var_f += b.var_f, s.cov_fg += b.cov_fg, s.var_plain += b.var_plain, s.var_g += b.var_g;
     return s;
 }

@@ -10,6 +10,11 @@
 
 namespace lumel {
 
+/// A whole number whose mean is `expected`: the fraction is left to chance.
+inline uint32_t at_random(double expected, uint64_t stream) {
+    return static_cast<uint32_t>(expected + double{to_unit(static_cast<uint32_t>(stream >> 32))});
+}
+
 /// One step of a transport to measure. Its light counts `weight`; its densities count by its rays.
 struct Step {
     const Transfers& transfers;
@@ -18,10 +23,15 @@ struct Step {
     double gather = 0;    ///< n_g: expected gathering rays for every area and eye; areas take turns for a fraction
     uint64_t stream = 0;  ///< key of the random numbers
 
-    /// Rays that an area gathers in this step: the fraction is left to chance.
-    uint32_t gather_count(uint64_t area_stream) const {
-        return static_cast<uint32_t>(gather + double{to_unit(static_cast<uint32_t>(area_stream >> 32))});
+    /// Rays that an area gathers in this step.
+    uint32_t gather_count(uint64_t area_stream) const { return at_random(gather, area_stream); }
+    /// Looks that only tell what the density covers, where nothing is gathered: they cost up to a tenth of the step's rays in all.
+    uint32_t look_count(size_t areas, uint64_t area_stream) const {
+        constexpr double kShare = 0.1;
+        const double wanted = kShare * static_cast<double>(transfers.rays) / static_cast<double>(std::max<size_t>(areas, 1));
+        return at_random(std::min(1.0, wanted), area_stream);
     }
+
 };
 
 class Tally {
@@ -44,6 +54,11 @@ public:
         current_[area].plain += f * step.weight;
         ++current_[area].hits;
     }
+    /// Count a look along the lobe of an area, and whether the step could send a transfer that way.
+    void add_look(size_t area, const Step& step, bool covered) {
+        const auto rays = static_cast<double>(step.transfers.rays);
+        closed_[area].looks += rays, closed_[area].looks_uncovered += covered ? 0 : rays;
+    }
     /// End a replica: `weight` is the sum of the weights of its light, `rays` the sum of the rays of its steps.
     void close_replica(double weight, double rays);
     /// Means over replicas, with the covariances of these means.
@@ -57,7 +72,7 @@ private:
     };
     struct Moments {
         Rgb64 f, plain, ff, fg, plain2, single_fg;
-        double g = 0, gg = 0, single_gg = 0;
+        double g = 0, gg = 0, single_gg = 0, looks = 0, looks_uncovered = 0;
         uint64_t hits = 0;
     };
     std::vector<Sums> current_;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lumel/eye/trust.h"
+#include "lumel/estimators/trust.h"
 #include "lumel/math/vec.h"
 
 namespace lumel {

@@ -13,8 +13,7 @@ struct PixelRadiance {
     uint32_t measured = 0, flagged = 0; ///< pixels with samples, and those of them that are flagged (see Trust)
 };
 
-/// Estimate every pixel. Neighbours are glossy pixels of about the same albedo in a square around it that grows until it has samples
-/// enough.
-PixelRadiance estimate_pixels(const PixelAreas& areas, const Camera& camera, uint32_t index, const Estimator& estimator);
+/// Estimate every pixel.
+PixelRadiance estimate_pixels(const PixelAreas& areas, uint32_t camera, const Estimator& estimator);
 
 }  // namespace lumel

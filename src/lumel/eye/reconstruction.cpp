@@ -6,20 +6,6 @@ namespace lumel {
 
 namespace {
 
-Rgb square_root(Rgb v) { return {std::sqrt(v.x), std::sqrt(v.y), std::sqrt(v.z)}; }
-
-/// Samples of several patches before division by area, with what to divide them by.
-struct Pool {
-    Samples sums;
-    double area = 0, albedo_area = 0;
-
-    void add(const Samples& s, double a, double aa) {
-        sums = pooled(sums, s);
-        area += a, albedo_area += aa;
-    }
-    Samples samples() const { return scaled(sums, area > 0 ? 1 / area : 0, albedo_area > 0 ? 1 / albedo_area : 0); }
-};
-
 /// For every area, the first slot that it has to itself: on flat facets all three corners are alike, and one estimate serves them.
 std::vector<uint32_t> first_slots_of_single_areas(const Neighbourhood& neighbourhood, uint32_t areas) {
     std::vector<uint32_t> first(areas, Scene::kNone);
@@ -58,15 +44,6 @@ void Reconstruction::gather_irradiance(const SideField& indirect) {
 }
 
 void Reconstruction::estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye) {
-    const auto pool = [&](std::span<const uint32_t> of) {
-        Pool sum;
-        for (uint32_t area : of) {
-            const double size = scene_->side_area(areas.sides()[area]);
-            if (areas.albedo(eye, area) > 0) sum.add(areas.unscaled(eye, area), size, size * areas.albedo(eye, area));
-        }
-        return sum;
-    };
-    const auto enough = [&](std::span<const uint32_t> found) { return pool(found).sums.hits >= kEnoughAround; };
     specular_[eye].resize(neighbourhood_.slots());
     std::vector<uint8_t> borrowed(neighbourhood_.slots()), unfilled(neighbourhood_.slots());
     const auto first_alone = first_slots_of_single_areas(neighbourhood_, areas.size());
@@ -76,15 +53,9 @@ void Reconstruction::estimate_specular(const PatchAreas& areas, const Estimator&
     };
     tbb::parallel_for(uint32_t{0}, neighbourhood_.slots(), [&](uint32_t slot) {
         if (is_repeated(slot)) return;
-        const auto centre = neighbourhood_.own(slot);
-        const Pool own = pool(centre), around = pool(neighbourhood_.around(centre, enough));
-
-        // A vertex without a sample takes those around it.
-        borrowed[slot] = own.sums.hits == 0 && around.sums.hits > 0;
-        unfilled[slot] = own.sums.hits == 0 && around.sums.hits == 0;
-        const Samples samples = (borrowed[slot] ? around : own).samples();
-        const Estimate e = estimator.estimate(samples, around.samples());
-        specular_[eye][slot] = {e.value.to_float(), square_root(e.variance.to_float()), Trust(samples, e)};
+        const AreaEstimate e = estimate_pooled(areas, neighbourhood_, eye, neighbourhood_.own(slot), estimator);
+        borrowed[slot] = e.borrowed, unfilled[slot] = e.unfilled;
+        specular_[eye][slot] = {e.estimate.value.to_float(), square_root(e.estimate.variance.to_float()), e.trust};
     });
     for (uint32_t slot = 0; slot < neighbourhood_.slots(); ++slot)
         if (is_repeated(slot)) specular_[eye][slot] = specular_[eye][first_alone[neighbourhood_.own(slot)[0]]];

@@ -3,10 +3,8 @@
 
 #include <optional>
 
+#include "lumel/areas/estimates.h"
 #include "lumel/areas/irradiance.h"
-#include "lumel/areas/neighbourhood.h"
-#include "lumel/areas/patches.h"
-#include "lumel/eye/trust.h"
 #include "lumel/scene/lattice.h"
 
 namespace lumel {

@@ -41,7 +41,7 @@ void Session::reconstruct() {
     reconstruction_.emplace(scene_, lattice_, Solution{indirect, solver_->areas()}, *config_.estimator);
     pixels_.clear();
     for (uint32_t c = 0; solver_->pixels() && c < cameras_.size(); ++c)
-        pixels_.push_back(estimate_pixels(*solver_->pixels(), cameras_[c], c, *config_.estimator));
+        pixels_.push_back(estimate_pixels(*solver_->pixels(), c, *config_.estimator));
     films_.clear();
     for (const Camera& camera : cameras_) films_.emplace_back(camera.width, camera.height);
 }
@@ -63,6 +63,21 @@ double Session::flagged() const {
     double measured = 0, flagged = 0;
     for (const PixelRadiance& camera : pixels_) measured += camera.measured, flagged += camera.flagged;
     return measured > 0 ? flagged / measured : 0;
+}
+
+std::vector<MeasuredArea> Session::measured(uint32_t camera, const Estimator& estimator) const {
+    std::vector<MeasuredArea> all;
+    if (const PixelAreas* pixels = solver_->pixels()) {
+        for (uint32_t pixel = 0; pixel < cameras_[camera].width * cameras_[camera].height; ++pixel)
+            if (const double albedo = pixels->albedo(camera, pixel); albedo > 0)
+                all.push_back({pixel, albedo, estimate_pixel(*pixels, camera, pixel, estimator)});
+        return all;
+    }
+    const PatchAreas& areas = solver_->areas();
+    const auto estimates = estimate_each(areas, Neighbourhood(scene_, lattice_, areas), camera, estimator);
+    for (uint32_t area = 0; area < areas.size(); ++area)
+        if (const double albedo = areas.albedo(camera, area); albedo > 0) all.push_back({areas.sides()[area], albedo, estimates[area]});
+    return all;
 }
 
 bool Session::eye_pass(uint32_t camera, uint32_t samples) {

@@ -19,6 +19,13 @@ struct SessionConfig {
     const Estimator* estimator = find_estimator("weighted");
 };
 
+/// One area of interest of a camera.
+struct MeasuredArea {
+    uint32_t index;  ///< side or pixel
+    double albedo;   ///< mean lum(a_s)
+    AreaEstimate at;
+};
+
 class Session {
 public:
     Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& config);
@@ -44,6 +51,8 @@ public:
     uint32_t unfilled() const;
     /// Share of the measured areas that are flagged (see Trust), 0..1.
     double flagged() const;
+    /// What an estimator makes of every area of interest that a camera sees, in ascending order of sides or pixels.
+    std::vector<MeasuredArea> measured(uint32_t camera, const Estimator& estimator) const;
     const Film& film(uint32_t camera) const { return films_[camera]; }
     /// Ask an eye pass that runs on another thread to stop.
     void stop() { stop_ = true; }
