@@ -95,8 +95,8 @@ nb::typed<nb::dict, nb::str, Array> layers(BoundSession& self, uint32_t camera) 
     return d;
 }
 
-/// The areas of interest of a camera, estimated one by one: `index` (n,) is the patch (plus the number of patches on its back) or the pixel;
-/// `value` and `stderr` (n, 3) W/(m2 sr), and what the estimate is made of.
+/// The areas of interest of a camera, estimated one by one: `index` (n,) is the patch (plus the number of patches on its back) or the
+/// pixel; `value` and `stderr` (n, 3) W/(m2 sr), and what the estimate is made of.
 nb::typed<nb::dict, nb::str, nb::object> areas(BoundSession& self, uint32_t camera, const std::string& name) {
     const Estimator* estimator = find_estimator(name);
     if (!estimator || camera >= self.session().cameras().size()) throw nb::value_error("unknown estimator or camera");
@@ -125,6 +125,8 @@ nb::typed<nb::dict, nb::str, nb::object> areas(BoundSession& self, uint32_t came
     add_scalar("albedo", [](const MeasuredArea& a) { return a.albedo; });
     add_scalar("weight", [](const MeasuredArea& a) { return a.at.samples.g; });
     add_scalar("weight.variance", [](const MeasuredArea& a) { return a.at.samples.var_g; });
+    add_rgb("moment.fg", [](const MeasuredArea& a) { return a.at.samples.fg; });
+    add_scalar("moment.gg", [](const MeasuredArea& a) { return a.at.samples.gg; });
     add_scalar("hits", [](const MeasuredArea& a) { return a.at.samples.hits; });
     add_scalar("uncovered", [](const MeasuredArea& a) { return a.at.samples.uncovered(); });
     add_scalar("flag", [](const MeasuredArea& a) { return a.at.trust.flag; });

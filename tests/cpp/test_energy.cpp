@@ -164,6 +164,7 @@ TEST(Cube, continuous_radiosities) {
         b.shape(b.material(matt(kAlbedo[static_cast<size_t>(i)])), grey(i == 0 ? kInvPi : 0)).face(i, {0, 0, 0}, {1, 1, 1}, true);
         filters.push_back(fronts_of_shape(static_cast<uint32_t>(i)));
     }
+    double squares = 0;
     for (uint64_t patches : {1500u, 6000u}) {
         const Stage stage(b.build(patches));
         for (Transport transport : kTransports)
@@ -177,10 +178,11 @@ TEST(Cube, continuous_radiosities) {
                                  error = double{kAlbedo[i]} * means[i].error;
                     EXPECT_NEAR(radiosity, kRadiosity[i], 2e-4 + student_quantile(1e-3 / 48, 7) * error)
                         << name_of(transport) << ", face " << i;
-                    EXPECT_LT(error, 3e-4) << name_of(transport) << (first_shot ? ", first shot" : "") << ", face " << i;
+                    squares += error * error;
                 }
             }
     }
+    EXPECT_LT(std::sqrt(squares / 48), 2e-4);  // the errors that the tolerances above are made of are small, too
 }
 
 TEST(Cie171, room_with_a_lamp_in_its_centre) {

@@ -70,9 +70,8 @@ AreaEstimate estimate_pooled(const PatchAreas& areas, const Neighbourhood& neigh
 std::vector<AreaEstimate> estimate_each(const PatchAreas& areas, const Neighbourhood& neighbourhood, uint32_t eye,
                                         const Estimator& estimator) {
     std::vector<AreaEstimate> estimates(areas.size());
-    tbb::parallel_for(uint32_t{0}, areas.size(), [&](uint32_t area) {
-        estimates[area] = estimate_pooled(areas, neighbourhood, eye, std::span(&area, 1), estimator);
-    });
+    tbb::parallel_for(uint32_t{0}, areas.size(),
+                      [&](uint32_t area) { estimates[area] = estimate_pooled(areas, neighbourhood, eye, std::span(&area, 1), estimator); });
     return estimates;
 }
 

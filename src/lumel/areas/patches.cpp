@@ -3,6 +3,10 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
+
+#include "lumel/areas/lobe_albedo.h"
 #include "lumel/areas/lobe_looks.h"
 #include "lumel/sampling/hash.h"
 #include "lumel/sampling/warp.h"
@@ -12,16 +16,27 @@ namespace lumel {
 
 namespace {
 
-/// Mean lum(a_s) of a side towards an eye, by the edge midpoints rule.
+constexpr double kUniform = 0.97;      // albedos of a patch that differ by less are uniform,
+constexpr float kFlat = 0.9999f;       // unless its normals differ by more (cosine)
+constexpr float kGrazing = 0.4f;       // where it is seen at less (cosine)
+constexpr uint32_t kPoints = 128;      // on a patch that is not uniform
+constexpr uint32_t kLobeSamples = 64;  // at each midpoint
+
+/// Mean lum(a_s) of a side towards an eye: by the edge midpoints rule, and where these differ, at its silhouette say, by many points.
 double mean_albedo(const Scene& scene, uint32_t side, Vec3 eye) {
-    constexpr Square kMidpoints[] = {{0.5f, 0.0f}, {0.5f, 0.5f}, {0.0f, 0.5f}};
-    double sum = 0;
-    for (const Square s : kMidpoints) {
+    const auto albedo_at = [&](Square s, uint32_t lobe_samples, uint64_t stream) {
         const Surface x(scene, scene.point_on_patch(scene.patch_of_side(side), s), scene.is_back(side));
-        const Vec3 wo = normalize(eye - x.x);
-        if (dot(x.normal, wo) > 0) sum += lum(x.material->albedo_s(dot(x.shading, wo)));
-    }
-    return sum / 3;
+        return double{lobe_albedo(x, normalize(eye - x.x), lobe_samples, stream)};
+    };
+    const Surface centre(scene, scene.centre_of_patch(scene.patch_of_side(side)), scene.is_back(side));
+    const bool silhouette = dot(centre.normal, centre.shading) < kFlat && dot(centre.shading, normalize(eye - centre.x)) < kGrazing;
+    const std::array midpoints{albedo_at({0.5f, 0.0f}, kLobeSamples, 1), albedo_at({0.5f, 0.5f}, kLobeSamples, 1),
+                               albedo_at({0.0f, 0.5f}, kLobeSamples, 1)};
+    const auto [least, most] = std::minmax_element(midpoints.begin(), midpoints.end());
+    if (*least >= kUniform * *most && !silhouette) return (midpoints[0] + midpoints[1] + midpoints[2]) / 3;
+    double sum = 0;
+    for (uint32_t i = 0; i < kPoints; ++i) sum += albedo_at(square_to_triangle(sobol2d(i, 2)), kLobeSamples / 8, key(3, i));
+    return sum / kPoints;
 }
 
 }  // namespace
@@ -30,8 +45,9 @@ PatchAreas::PatchAreas(const Scene& scene, std::vector<Vec3> eyes, std::vector<u
     : scene_(&scene), eyes_(std::move(eyes)), sides_(std::move(measured)) {
     albedo_.resize(sides_.size() * eyes_.size());
     tally_ = Tally(albedo_.size());
-    for (uint32_t area = 0; area < size(); ++area)
+    tbb::parallel_for(uint32_t{0}, size(), [&](uint32_t area) {
         for (uint32_t eye = 0; eye < eyes_.size(); ++eye) albedo_[at(eye, area)] = mean_albedo(scene, sides_[area], eyes_[eye]);
+    });
 }
 
 void PatchAreas::measure(const Step& step) {

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "lumel/areas/lobe_albedo.h"
 #include "lumel/areas/lobe_looks.h"
 #include "lumel/sampling/warp.h"
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr uint32_t kSides = 256;         // receivers of a work item
 constexpr uint32_t kAlbedoSamples = 16;  // for a pixel, and this many times as many where it is not uniform
+constexpr uint32_t kLobeSamples = 8;     // for each of these
 
 /// Point of the film, in the unit square of the whole picture, at `s` of a pixel.
 Square on_film(const Camera& camera, uint32_t pixel, Square s) {
@@ -80,7 +82,8 @@ void PixelAreas::find_albedo() {
                 double albedo = 0;
                 if (!hit.is_miss()) {
                     const Surface x(*scene_, hit.point(), hit.back);
-                    if (x.scatters && x.material->is_glossy()) albedo = lum(x.material->albedo_s(-dot(x.shading, ray.direction)));
+                    if (x.scatters && x.material->is_glossy())
+                        albedo = double{lobe_albedo(x, -ray.direction, kLobeSamples, key(c, pixel, i))};
                 }
                 sum += albedo, least = std::min(least, albedo), most = std::max(most, albedo);
                 if (i + 1 == kAlbedoSamples && most - least > 0.01 * most) wanted *= kAlbedoSamples;

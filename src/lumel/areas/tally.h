@@ -31,7 +31,6 @@ struct Step {
         const double wanted = kShare * static_cast<double>(transfers.rays) / static_cast<double>(std::max<size_t>(areas, 1));
         return at_random(std::min(1.0, wanted), area_stream);
     }
-
 };
 
 class Tally {

@@ -9,7 +9,7 @@ struct Trust {
     float weight = 0;      ///< G = mean(g/p), 1 where the density covers what the lobe sees
     float hits = 0;        ///< samples
     float correction = 0;  ///< what the estimator added to F, lum W/(m2 sr)
-    float flag = 0;        ///< 1 where G is more than 4 standard errors from 1, or p misses more than 2 % of the lobe: a ratio would be off
+    float flag = 0;  ///< 1 where G is more than 4 standard errors from 1, or p misses more than 2 % of the lobe: a ratio would be off
 
     Trust() = default;
     Trust(const Samples& s, const Estimate& e)

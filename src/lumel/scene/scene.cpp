@@ -58,6 +58,7 @@ Scene::Scene(const MeshInput& input, std::vector<Material> materials, std::vecto
     order_along_curve();
     divide(patches);
     find_lamps();
+    side_order_ = SideOrder(*this);
 }
 
 void Scene::take_triangles(const MeshInput& input) {

@@ -7,6 +7,7 @@
 #include "lumel/math/frame.h"
 #include "lumel/sampling/distribution.h"
 #include "lumel/scene/material.h"
+#include "lumel/scene/side_order.h"
 #include "lumel/scene/tessellation.h"
 
 namespace lumel {
@@ -117,6 +118,8 @@ public:
         if (first == kNone || !scatters(side)) return kNone;
         return first + (patch - first_patch_[triangle]) + (is_back(side) ? glossy_patches_ : 0);
     }
+    /// All sides, neighbours together.
+    const SideOrder& side_order() const { return side_order_; }
     SurfacePoint centre_of_patch(uint32_t patch) const { return point_on_patch(patch, {1.0f / 3, 1.0f / 3}); }
 
     // Lamps
@@ -152,6 +155,7 @@ private:
     std::vector<uint8_t> smooth_;
     std::vector<uint32_t> first_patch_, patch_triangle_, first_glossy_;
     uint32_t glossy_patches_ = 0;
+    SideOrder side_order_;
     std::vector<AreaLamp> area_lamps_;
     std::vector<PointLamp> point_lamps_;
     MeshReport report_;

@@ -22,16 +22,73 @@ Incident incident(const Scene& scene, const Transfer& transfer, bool back, bool 
     return {flux, glossy ? lum(flux * x.material->albedo_s(dot(x.shading, transfer.wi))) : 0.0f};
 }
 
-/// Draw the records of one side: even steps through the running sum of specular power.
-void draw_records(const Scene& scene, const Transfers& transfers, uint32_t side, double power, uint64_t stream, std::span<Record> records) {
-    const double step = power / kSurfaceRecords;
-    double next = step * to_unit(static_cast<uint32_t>(key(stream, side) >> 32)), sum = 0;
+/// Neighbours that send on together what they received together. Sides with hits enough stay alone; where there are few hits, a single one
+/// would make a small patch far too bright.
+struct Group {
+    uint32_t first, last;  // positions in the order of sides
+};
+constexpr size_t kEnoughHits = 16;
+constexpr uint32_t kMostSides = 64;
+
+std::vector<Group> group_by_hits(const Scene& scene, const Transfers& transfers) {
+    const SideOrder& order = scene.side_order();
+    std::vector<Group> groups;
+    size_t hits = 0;
+    for (uint32_t i = 0; i < order.size(); ++i) {
+        const size_t here = transfers.group(order.side(i)).size();
+        const bool joins = !groups.empty() && !order.starts_run(i) && hits < kEnoughHits && here < kEnoughHits &&
+                           i - groups.back().first < kMostSides;
+        if (!joins) groups.push_back({i, i}), hits = 0;
+        groups.back().last = i + 1;
+        hits += here;
+    }
+    return groups;
+}
+
+/// Light that a group received, with a running sum of its specular power.
+struct Light {
+    Vec3 wi;
+    Rgb flux;
+    double power_so_far;
+};
+
+/// Draw the records of one side: even steps through the running sum of the specular power of its group.
+void draw_records(const std::vector<Light>& lights, double share, uint64_t stream, std::span<Record> records) {
+    const double power = lights.back().power_so_far, step = power / kSurfaceRecords, sent = step * share;
+    double next = step * to_unit(static_cast<uint32_t>(stream >> 32)), before = 0;
     int drawn = 0;
-    for (uint32_t i : transfers.group(side)) {
-        const Transfer& transfer = transfers.all[i];
-        const Incident light = incident(scene, transfer, scene.is_back(side), true);
-        for (sum += light.power; drawn < kSurfaceRecords && next < sum; next += step)
-            records[kLampRecords + drawn++] = {transfer.wi, light.flux * static_cast<float>(step / light.power), static_cast<float>(step)};
+    for (const Light& light : lights) {
+        for (; drawn < kSurfaceRecords && next < light.power_so_far; next += step)
+            records[kLampRecords + drawn++] = {light.wi, light.flux * static_cast<float>(sent / (light.power_so_far - before)),
+                                               static_cast<float>(sent)};
+        before = light.power_so_far;
+    }
+}
+
+/// Sum what each side of a group received, and let all send on the light of the group in proportion to their areas.
+void scatter_group(const Scene& scene, const Transfers& transfers, std::span<const uint32_t> sides, uint64_t stream,
+                   std::vector<Rgb>& received, Emitters& next) {
+    Rgb64 sum;
+    double area = 0;
+    std::vector<Light> lights;
+    for (uint32_t side : sides) {
+        const bool glossy = scene.glossy_index(side) != Scene::kNone, plain = !glossy && !scene.is_smooth(scene.triangle_of_side(side));
+        Rgb64 here;
+        for (uint32_t i : transfers.group(side)) {
+            const Transfer& transfer = transfers.all[i];
+            const Incident light = plain ? Incident{transfer.flux} : incident(scene, transfer, scene.is_back(side), glossy);
+            here += light.flux;
+            if (light.power > 0)
+                lights.push_back({transfer.wi, light.flux, (lights.empty() ? 0.0 : lights.back().power_so_far) + double{light.power}});
+        }
+        received[side] = here.to_float();
+        sum += here, area += double{scene.side_area(side)};
+    }
+    for (uint32_t side : sides) {
+        const double share = double{scene.side_area(side)} / area;
+        next.clear_records(scene, side);
+        next.diffuse[side] = scene.scatters(side) ? (sum * share).to_float() * scene.material(scene.triangle_of_side(side)).diffuse : Rgb{};
+        if (!lights.empty()) draw_records(lights, share, key(stream, side), next.open_records(scene, side));
     }
 }
 
@@ -39,26 +96,10 @@ void draw_records(const Scene& scene, const Transfers& transfers, uint32_t side,
 
 void scatter(const Scene& scene, const Transfers& transfers, uint64_t stream, std::vector<Rgb>& received, Emitters& next) {
     received.resize(scene.sides());
-    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 1024), [&](const auto& range) {
-        for (uint32_t side = range.begin(); side < range.end(); ++side) {
-            const uint32_t triangle = scene.triangle_of_side(side);
-            const bool glossy = scene.glossy_index(side) != Scene::kNone;
-            next.clear_records(scene, side);
-            Rgb64 sum;
-            double power = 0;
-            if (!glossy && !scene.is_smooth(triangle)) {
-                for (uint32_t i : transfers.group(side)) sum += transfers.all[i].flux;
-            } else {
-                for (uint32_t i : transfers.group(side)) {
-                    const Incident light = incident(scene, transfers.all[i], scene.is_back(side), glossy);
-                    sum += light.flux;
-                    power += light.power;
-                }
-            }
-            received[side] = sum.to_float();
-            next.diffuse[side] = scene.scatters(side) ? received[side] * scene.material(triangle).diffuse : Rgb{};
-            if (power > 0) draw_records(scene, transfers, side, power, stream, next.open_records(scene, side));
-        }
+    const std::vector<Group> groups = group_by_hits(scene, transfers);
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, groups.size(), 512), [&](const auto& range) {
+        for (size_t i = range.begin(); i < range.end(); ++i)
+            scatter_group(scene, transfers, scene.side_order().sides(groups[i].first, groups[i].last), stream, received, next);
     });
 }
 
