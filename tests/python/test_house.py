@@ -28,11 +28,12 @@ MAY_INCLUDE: dict[str, set[str]] = {
     "scene": {"math", "sampling"},
     "accel": {"math", "sampling", "scene"},
     "transfer": {"math", "sampling", "scene"},
+    "raster": {"math", "sampling", "scene"},
     "estimators": {"math", "sampling"},
-    "transport": BASE,
+    "transport": BASE | {"raster"},
     "areas": BASE | {"estimators"},
     "eye": BASE | {"areas", "estimators"},
-    "solver": BASE | {"areas", "estimators", "eye", "transport"},
+    "solver": BASE | {"areas", "estimators", "eye", "raster", "transport"},
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 
