@@ -1,15 +1,6 @@
 #include "lumel/raster/projection.h"
 
-#include <array>
-
 namespace lumel {
-
-namespace {
-
-/// Steps beyond this leave the scene within a fraction of a pixel, so that no row has a second one.
-constexpr double kSteepest = kDepthRange * 16;
-
-}  // namespace
 
 void project(const Scene& scene, const Window& window, std::vector<SnappedVertex>& snapped) {
     // Vertices that no triangle uses may be anywhere, or NaN: hold them in the window.
@@ -43,7 +34,7 @@ DepthPlane::DepthPlane(SnappedVertex a, SnappedVertex b, SnappedVertex c, int64_
     slope_y_ = (cd * bx - bd * cx) / area;
     lowest_ = std::min({a.depth, b.depth, c.depth});
     highest_ = std::max({a.depth, b.depth, c.depth});
-    step_ = static_cast<int64_t>(std::clamp(slope_x_, -kSteepest, kSteepest));
+    step_ = std::floor(slope_x_);
 }
 
 }  // namespace lumel

@@ -8,9 +8,9 @@ namespace lumel {
 inline constexpr int kSubpixelBits = 8;
 /// Places along one edge of a pixel where a vertex can be.
 inline constexpr int64_t kSubpixels = int64_t{1} << kSubpixelBits;
-/// Depths are whole numbers from -kDepthRange to kDepthRange over the diameter of the scene, so that they are linear along a row without
-/// rounding.
-inline constexpr double kDepthRange = 0x1p40;
+/// Depths are whole numbers from -kDepthRange to kDepthRange over the diameter of the scene, and linear along each row of a patch without
+/// rounding: two pixels of a row grow by 2 kDepthRange at most, the farthest is Window::kMostResolution away, and 53 bits hold all.
+inline constexpr double kDepthRange = 0x1p39;
 
 /// A vertex in the window: x and y in subpixels, the depth in its own units.
 struct SnappedVertex {
@@ -32,17 +32,16 @@ public:
     /// `twice_area` is turn(a, b, c) and not 0. The order of the vertices does not matter.
     DepthPlane(SnappedVertex a, SnappedVertex b, SnappedVertex c, int64_t twice_area);
 
-    /// Depth at a pixel; the first one of a row of a patch is found so.
-    int64_t at(int32_t x, int32_t y) const {
+    /// Depth at a pixel, a whole number.
+    double at(int32_t x, int32_t y) const {
         const double d = depth_ + slope_x_ * (x - x_) + slope_y_ * (y - y_);
-        return static_cast<int64_t>(std::min(std::max(d, lowest_), highest_));
+        return std::floor(std::min(std::max(d, lowest_), highest_));
     }
-    /// What the depth grows by from a pixel to the next of the same row.
-    int64_t step() const { return step_; }
+    /// What the depth grows by from a pixel to the next of the same row, a whole number. Meant for rows of at least two pixels.
+    double step() const { return step_; }
 
 private:
-    double x_ = 0, y_ = 0, depth_ = 0, slope_x_ = 0, slope_y_ = 0, lowest_ = 0, highest_ = 0;
-    int64_t step_ = 0;
+    double x_ = 0, y_ = 0, depth_ = 0, slope_x_ = 0, slope_y_ = 0, lowest_ = 0, highest_ = 0, step_ = 0;
 };
 
 }  // namespace lumel

@@ -3,23 +3,11 @@
 
 #include "lumel/raster/projection.h"
 #include "lumel/raster/raster_scene.h"
+#include "lumel/raster/row_sweep.h"
+#include "lumel/raster/scan_patch.h"
+#include "lumel/raster/sweep_counters.h"
 
 namespace lumel {
-
-/// What sweeps along directions met.
-struct SweepCounters {
-    uint64_t directions = 0;
-    uint64_t fragments = 0;   ///< patches met, summed over all lines
-    uint64_t lines = 0;       ///< pixels of the window that hold a fragment
-    uint64_t pairs = 0;       ///< neighbours on a line; each carries light both ways
-    uint64_t most_depth = 0;  ///< most fragments on one line
-    /// Lines that enter and leave closed surfaces unequally often, or have two neighbouring fragments of one closed surface that face the
-    /// same way: cracks, self-intersections, and depths that cannot be told apart.
-    uint64_t parity_violations = 0;
-    Rgb64 escaped;  ///< radiance sent by sides that see nothing, summed over pixels; times pixel_area it is W/sr
-
-    SweepCounters& operator+=(const SweepCounters& other);
-};
 
 /// Rasterises the scene and exchanges light along its lines. Coverage is exact: a pixel on the shared edge of two patches belongs to one of
 /// them, also where the triangles are divided unequally. Faces seen edge-on, needles, patches that coincide or cross, and open
@@ -41,7 +29,15 @@ public:
 
 private:
     const RasterScene* scene_;
+    void prepare(const Window& window, std::span<const Rgb> sent);
+    ScanPatch scan_patch(uint32_t patch) const;
+
     std::vector<SnappedVertex> vertices_;
+    std::vector<PatchLight> lights_;
+    std::vector<uint32_t> first_row_, by_row_, first_of_row_, facing_;
+    std::vector<uint8_t> front_along_;
+    std::vector<ScanPatch> active_;
+    RowSweep row_;
 };
 
 }  // namespace lumel

@@ -8,7 +8,7 @@ namespace lumel {
 
 /// Pixel (x, y) stands for the line along `direction` through its centre. All windows of one resolution have pixels of one size.
 struct Window {
-    static constexpr uint32_t kLeastResolution = 4, kMostResolution = 16384;
+    static constexpr uint32_t kLeastResolution = 4, kMostResolution = 4096;
 
     Vec3 direction, right, up;     ///< right-handed: right x up = direction
     Vec3 centre;                   ///< of the scene
