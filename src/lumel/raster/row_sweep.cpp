@@ -75,22 +75,23 @@ void RowSweep::run(std::span<PatchLight> lights, SweepCounters& counters) {
         const size_t depth = line_.size();
         const PatchLight* before = &nothing;
         PatchLight* here = &lights[line_[0].patch];
-        int balance = 0;
+        size_t balance = line_[0].facing & 3;
         bool violated = false;
         for (size_t i = 0; i + 1 < depth; ++i) {
             PatchLight* behind = &lights[line_[i + 1].patch];
             here->receive(*before, *behind, w);
             violated |= line_[i].facing == line_[i + 1].facing;
+            balance += line_[i + 1].facing & 3;
             before = here, here = behind;
         }
         here->receive(*before, nothing, w);
-        (void)balance;
-        const __m256 out = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&lights[line_[0].patch].sent_against.red)), _mm_load_ps(&here->sent_along.red), 1);
+        const __m256 out = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&lights[line_[0].patch].sent_against.red)),
+                                                _mm_load_ps(&here->sent_along.red), 1);
         escaped = _mm256_add_ps(escaped, _mm256_mul_ps(out, w));
         counters.lines += width;
         counters.fragments += width * depth;
         counters.most_depth = std::max(counters.most_depth, uint64_t{depth});
-        counters.parity_violations += violated ? width : 0;
+        counters.parity_violations += violated || balance != depth ? width : 0;
     };
     for (size_t word = 0; word < events_.size(); ++word) {
         uint64_t bits = events_[word];

@@ -25,8 +25,8 @@ struct RowSpan {
     }
 };
 
-/// Walks along a row from one begin or end of a span to the next. Between them the same patches are met in the same order, unless two cross,
-/// so that all pixels there exchange at once.
+/// Walks along a row from one begin or end of a span to the next. Between them the same patches are met in the same order, unless two
+/// cross, so that all pixels there exchange at once.
 class RowSweep {
 public:
     /// Forget all spans, and be ready for rows of `width` pixels.

@@ -47,7 +47,9 @@ private:
 
         Edge() = default;
         Edge(PatchOutline::Corner a, PatchOutline::Corner b, int32_t row, double pixel)
-            : numerator(a.x * (b.y - a.y) + (b.x - a.x) * (row * pixel - a.y)), growth((b.x - a.x) * pixel), denominator((b.y - a.y) * pixel) {}
+            : numerator(a.x * (b.y - a.y) + (b.x - a.x) * (row * pixel - a.y)),
+              growth((b.x - a.x) * pixel),
+              denominator((b.y - a.y) * pixel) {}
     };
     void set_edge(uint32_t side, const Edge& edge) {
         numerator_[side] = edge.numerator, growth_[side] = edge.growth, denominator_[side] = edge.denominator;

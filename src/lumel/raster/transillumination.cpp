@@ -19,7 +19,8 @@ void Transillumination::exchange(const Window& window, std::span<const Rgb> sent
             const int32_t begin = patch.begin(), end = patch.end();
             if (begin < end) {
                 const double step = end - begin > 1 ? patch.plane().step() : 0;
-                row_.add(begin, {patch.plane().at(begin, static_cast<int32_t>(y)) - step * begin, step, static_cast<uint32_t>(end), patch.patch(), 0, facing_[patch.patch()]});
+                row_.add(begin, {patch.plane().at(begin, static_cast<int32_t>(y)) - step * begin, step, static_cast<uint32_t>(end),
+                                 patch.patch(), 0, facing_[patch.patch()]});
             }
             patch.next_row();
             if (patch.is_done())
@@ -33,7 +34,8 @@ void Transillumination::exchange(const Window& window, std::span<const Rgb> sent
     counters += swept;
     for (uint32_t patch = 0; patch < scene.patches(); ++patch) {
         const PatchLight& light = lights_[patch];
-        const uint32_t along = patch + (front_along_[patch] ? 0 : scene.patches()), against = patch + (front_along_[patch] ? scene.patches() : 0);
+        const uint32_t along = patch + (front_along_[patch] ? 0 : scene.patches()),
+                       against = patch + (front_along_[patch] ? scene.patches() : 0);
         received[along] += Rgb{light.received_along.red, light.received_along.green, light.received_along.blue};
         received[against] += Rgb{light.received_against.red, light.received_against.green, light.received_against.blue};
         pixels[patch] += static_cast<uint32_t>(light.received_along.count);
@@ -46,7 +48,8 @@ ScanPatch Transillumination::scan_patch(uint32_t patch) const {
     const Indices& i = scene.indices()[t];
     const std::array corners{vertices_[i[0]], vertices_[i[1]], vertices_[i[2]]};
     const uint32_t n = scene.divisions(t);
-    return {PatchOutline(corners, n, PatchPlace::of_index(n, patch - scene.first_patch(t))), DepthPlane(corners[0], corners[1], corners[2], turn(corners[0], corners[1], corners[2])), patch};
+    return {PatchOutline(corners, n, PatchPlace::of_index(n, patch - scene.first_patch(t))),
+            DepthPlane(corners[0], corners[1], corners[2], turn(corners[0], corners[1], corners[2])), patch};
 }
 
 void Transillumination::prepare(const Window& window, std::span<const Rgb> sent) {
@@ -70,7 +73,7 @@ void Transillumination::prepare(const Window& window, std::span<const Rgb> sent)
             first_row_[patch] = row;
             ++first_of_row_[row + 1];
             const uint32_t surface = scene_->closed_surface(t);
-            facing_[patch] = surface == RasterScene::kOpen ? 0x80000000u | patch : surface * 2 + front;
+            facing_[patch] = surface == RasterScene::kOpen ? patch * 4 + 1 : surface * 4 + (front ? 2 : 0);
             front_along_[patch] = front;
             lights_[patch] = front ? PatchLight(sent[patch], sent[patch + patches]) : PatchLight(sent[patch + patches], sent[patch]);
         }

@@ -1,0 +1,97 @@
+#include "reference_raster.h"
+
+namespace lumel::test {
+
+namespace {
+
+struct Point {
+    int64_t x = 0, y = 0;
+};
+
+/// A patch in subpixels times divisions, its corners in the order of a left turn.
+struct Outline {
+    int64_t pixel = 0;
+    std::array<Point, 3> corners;
+
+    Outline(const std::array<SnappedVertex, 3>& v, bool turns_left, int64_t n, const PatchPlace& place) : pixel(n * kSubpixels) {
+        const auto points = place.lattice();
+        for (size_t k = 0; k < 3; ++k) {
+            const int64_t i = points[k][0], j = points[k][1];
+            corners[turns_left ? k : 2 - k] = {(n - i - j) * v[0].x + i * v[1].x + j * v[2].x,
+                                               (n - i - j) * v[0].y + i * v[1].y + j * v[2].y};
+        }
+    }
+    /// Is a pixel centre inside? One that lies exactly on an edge is taken as if it were moved a little to the right, and far less up.
+    bool covers(int64_t x, int64_t y) const {
+        for (size_t k = 0; k < 3; ++k) {
+            const Point a = corners[k], b = corners[(k + 1) % 3];
+            const int64_t ex = b.x - a.x, ey = b.y - a.y;
+            const int64_t side = ex * (y * pixel - a.y) - ey * (x * pixel - a.x);
+            if (side < 0 || (side == 0 && !(ey < 0 || (ey == 0 && ex > 0)))) return false;
+        }
+        return true;
+    }
+};
+
+}  // namespace
+
+std::vector<std::vector<Fragment>> fragment_lists(const Scene& scene, const Window& window) {
+    std::vector<SnappedVertex> vertices;
+    project(scene, window, vertices);
+    std::vector<std::vector<Fragment>> lines(size_t{window.resolution} * window.resolution);
+    for (uint32_t patch = 0; patch < scene.patches(); ++patch) {
+        const uint32_t t = scene.triangle_of_patch(patch);
+        const Indices& i = scene.indices()[t];
+        const std::array v{vertices[i[0]], vertices[i[1]], vertices[i[2]]};
+        const int64_t twice_area = turn(v[0], v[1], v[2]);
+        if (twice_area == 0) continue;
+        const DepthPlane plane(v[0], v[1], v[2], twice_area);
+        const Outline outline(v, twice_area > 0, scene.divisions(t), scene.place(patch));
+        const auto [x0, x1] = std::minmax({outline.corners[0].x, outline.corners[1].x, outline.corners[2].x});
+        const auto [y0, y1] = std::minmax({outline.corners[0].y, outline.corners[1].y, outline.corners[2].y});
+        for (int64_t y = y0 / outline.pixel; y * outline.pixel <= y1; ++y) {
+            std::vector<int32_t> row;
+            for (int64_t x = x0 / outline.pixel; x * outline.pixel <= x1; ++x)
+                if (outline.covers(x, y)) row.push_back(static_cast<int32_t>(x));
+            for (int32_t x : row)
+                lines[static_cast<size_t>(y) * window.resolution + static_cast<size_t>(x)].push_back(
+                    {plane.at(row[0], static_cast<int32_t>(y)) + (x - row[0]) * plane.step(), patch, twice_area > 0});
+        }
+    }
+    for (std::vector<Fragment>& line : lines)
+        std::sort(line.begin(), line.end(),
+                  [](const Fragment& l, const Fragment& r) { return l.depth != r.depth ? l.depth < r.depth : l.patch < r.patch; });
+    return lines;
+}
+
+void reference_exchange(const RasterScene& raster, const Window& window, std::span<const Rgb> sent, std::span<Rgb> received,
+                        std::span<uint32_t> pixels, SweepCounters& counters) {
+    const Scene& scene = raster.scene();
+    const uint32_t patches = scene.patches();
+    const auto along = [&](const Fragment& f) { return f.front_along ? f.patch : f.patch + patches; };
+    const auto against = [&](const Fragment& f) { return f.front_along ? f.patch + patches : f.patch; };
+    ++counters.directions;
+    for (const std::vector<Fragment>& line : fragment_lists(scene, window)) {
+        if (line.empty()) continue;
+        int balance = 0;
+        bool violated = false;
+        for (size_t i = 0; i < line.size(); ++i) {
+            ++pixels[line[i].patch];
+            const uint32_t surface = raster.closed_surface(scene.triangle_of_patch(line[i].patch));
+            if (surface != RasterScene::kOpen) balance += line[i].front_along ? 1 : -1;
+            if (i + 1 == line.size()) break;
+            const Fragment &near = line[i], &far = line[i + 1];
+            received[along(near)] += sent[against(far)];
+            received[against(far)] += sent[along(near)];
+            violated |= surface != RasterScene::kOpen && near.front_along == far.front_along &&
+                        surface == raster.closed_surface(scene.triangle_of_patch(far.patch));
+        }
+        counters.escaped += sent[against(line.front())];
+        counters.escaped += sent[along(line.back())];
+        counters.fragments += line.size(), counters.pairs += line.size() - 1, ++counters.lines;
+        counters.most_depth = std::max(counters.most_depth, uint64_t{line.size()});
+        counters.parity_violations += violated || balance != 0;
+    }
+}
+
+}  // namespace lumel::test
