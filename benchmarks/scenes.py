@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
+
+from lumel.images import read_picture
+from lumel.scene import FloatArray
 
 NAMES = ("bust", "cornell_glossy", "courtyard", "gallery", "spotlit")
 
@@ -14,6 +18,16 @@ def folder() -> Path:
     if not (shared / "scenes").is_dir():
         raise SystemExit(f"there are no reference scenes in {shared / 'scenes'}: set LUMEL_SHARED to the folder that holds them")
     return shared / "scenes"
+
+
+def scene_file(name: str) -> Path:
+    """The file of a reference scene, or of one that is a file already."""
+    return Path(name) if name.endswith(".xml") else folder() / f"{name}.xml"
+
+
+def reference_of(name: str) -> Mapping[str, FloatArray]:
+    """Layers `rgb` and `stderr` of the first camera of a reference scene."""
+    return read_picture(folder() / "reference" / f"{name}.exr").layers
 
 
 def machine() -> str:
