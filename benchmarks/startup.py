@@ -8,7 +8,7 @@ import time
 
 LIMIT = 0.4  # seconds
 RUNS = 5
-COMMANDS = ("", "render", "info", "compare", "demo")
+COMMANDS = ("", "render", "info", "compare", "demo", "bench")
 
 
 def seconds(command: str) -> float:

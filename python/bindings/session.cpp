@@ -1,7 +1,9 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
+#include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "arrays.h"
@@ -53,6 +55,23 @@ public:
     }
     Session& session() { return *session_; }
 
+    // For `lumel bench`
+    size_t capture(uint64_t rays) {
+        run([&] { captured_ = session_->solver().departures(rays); });
+        return captured_.size();
+    }
+    void trace_captured() {
+        run([&] {
+            constexpr size_t kBlock = 2048;
+            tbb::parallel_for(tbb::blocked_range<size_t>(0, captured_.size(), kBlock), [&](const auto& block) {
+                const FlushDenormals flush;
+                std::array<Hit, kBlock> hits;
+                for (size_t first = block.begin(); first < block.end(); first += kBlock)
+                    session_->accel().intersect(std::span(captured_).subspan(first, std::min(kBlock, block.end() - first)), hits);
+            });
+        });
+    }
+
 private:
     template <class Work>
     void run(Work&& work) {
@@ -62,6 +81,7 @@ private:
     tbb::global_control limit_;
     tbb::task_arena arena_;
     std::unique_ptr<Session> session_;
+    std::vector<Ray> captured_;
 };
 
 /// Layers of a film, by name: (height, width, 3) or (height, width).
@@ -167,6 +187,8 @@ void bind_session(nb::module_& m) {
         .def("end_replica", &BoundSession::end_replica)
         .def("reconstruct", &BoundSession::reconstruct)
         .def("eye_pass", &BoundSession::eye_pass, nb::arg("camera"), nb::arg("samples"))
+        .def("capture", &BoundSession::capture, nb::arg("rays"))
+        .def("trace_captured", &BoundSession::trace_captured)
         .def("stop", [](BoundSession& self) { self.session().stop(); })
         .def("layers", layers, nb::arg("camera"))
         .def("areas", areas, nb::arg("camera"), nb::arg("estimator"))

@@ -237,3 +237,9 @@ def test_ctrl_c_in_the_demo_leaves_nothing_half_done(tmp_path: Path, begin: Begi
     assert "Traceback" not in err
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written in (set(), {"classical.png", "weighted.png", "side_by_side.png"})
+
+
+def test_bench_refuses_all_bad_settings_at_once(tmp_path: Path) -> None:
+    ran = run("bench", "--cameras", "0", "--patches", "none", "--threads", "-1", cwd=tmp_path)
+    assert ran.code == 2, ran
+    assert all(text in ran.err for text in ("--cameras must be 1 to 1024, found 0", "--patches", "threads is -1"))

@@ -88,6 +88,10 @@ Hit Accel::intersect(const Ray& ray) const {
     return {query.hit.primID, query.hit.u, query.hit.v, back};
 }
 
+void Accel::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+    for (size_t i = 0; i < rays.size(); ++i) hits[i] = intersect(rays[i]);
+}
+
 bool Accel::occluded(const Ray& ray) const {
     RTCRay query = to_embree(ray);
 #ifdef LUMEL_EMBREE4

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "lumel/scene/scene.h"
 
@@ -44,6 +45,8 @@ public:
     Accel(Accel&&) noexcept;
 
     Hit intersect(const Ray& ray) const;
+    /// Closest hits of many rays; `hits` has at least as many entries as `rays`.
+    void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
     bool occluded(const Ray& ray) const;
     /// Do two points see each other? Both must already be off their surfaces.
     bool visible(Vec3 a, Vec3 b) const { return !occluded({a, b - a, 1.0f}); }

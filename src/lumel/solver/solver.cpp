@@ -55,6 +55,11 @@ void Solver::step(uint64_t rays) {
     weight_ += weight;
 }
 
+std::vector<Ray> Solver::departures(uint64_t rays) const {
+    return frozen_ ? frozen_->departures(*accel_, *defensive_, {rays, config_.defensive, key(config_.seed, kStep, replicas(), steps_)})
+                   : std::vector<Ray>{};
+}
+
 void Solver::absorb(const Generation& generation, double weight) {
     for (size_t side = 0; side < received_.size(); ++side) received_[side] += to_double(generation.received[side]) * weight;
     // Steps of fewer rays (late generations of a walk) get fewer gathering rays.

@@ -15,6 +15,11 @@ public:
     uint64_t step(const Accel& accel, const DefensiveStarts& defensive, const Illumination& light, const ShootConfig& config,
                   const Sink& sink);
 
+    /// The rays that a step would shoot (see `departures`).
+    std::vector<Ray> departures(const Accel& accel, const DefensiveStarts& defensive, const ShootConfig& config) const {
+        return lumel::departures(Shot(accel, emitters_, defensive, config));
+    }
+
 private:
     Emitters emitters_, next_;
     std::vector<Rgb> received_;

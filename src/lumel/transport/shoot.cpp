@@ -21,6 +21,8 @@ struct Flight {
     Ray ray;
     Rgb flux, behind_mirror;
     float inv_pdf = 0;
+
+    bool is_empty() const { return inv_pdf == 0 && max_component(flux + behind_mirror) == 0; }
 };
 
 /// Evaluate what leaves `y` along `w`: radiance over the density of all ways to shoot that very ray, the defensive one included.
@@ -157,13 +159,21 @@ void shoot(const Shot& shot, Transfers& transfers) {
         Launcher launcher(shot);
         for (uint32_t i = block * kBlock; i < std::min(rays, (block + 1) * kBlock); ++i) {
             const Flight flight = launcher(i);
-            const bool empty = flight.inv_pdf == 0 && max_component(flight.flux + flight.behind_mirror) == 0;
-            transfers.all[i] = empty ? Transfer{} : follow(shot, flight, i, escaped[block], lost[block]);
+            transfers.all[i] = flight.is_empty() ? Transfer{} : follow(shot, flight, i, escaped[block], lost[block]);
         }
     });
     transfers.escaped = 0, transfers.lost_flux = 0;
     for (uint32_t block = 0; block < blocks; ++block) transfers.escaped += escaped[block], transfers.lost_flux += lost[block];
     transfers.group_by_side(shot.scene.sides());
+}
+
+std::vector<Ray> departures(const Shot& shot) {
+    std::vector<Ray> rays;
+    rays.reserve(shot.rays());
+    Launcher launcher(shot);
+    for (uint32_t i = 0; i < shot.rays(); ++i)
+        if (const Flight flight = launcher(i); !flight.is_empty()) rays.push_back(flight.ray);
+    return rays;
 }
 
 }  // namespace lumel

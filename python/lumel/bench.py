@@ -1,0 +1,95 @@
+"""How fast this machine traces, shoots and sees, in one run: numbers that a user can quote, and ratios that hold on other machines."""
+
+from __future__ import annotations
+
+import resource
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from .core import camera_to_core, to_core
+from .render import DIRECT_SAMPLES, with_camera
+from .scene import Camera, Scene
+
+RAYS = 1 << 20  # of a step
+ROUNDS = 5  # the median of so many is taken
+EYE_SAMPLES = 4  # a pixel and pass
+BESIDE = 0.01  # metres between eyes, for each metre that the scene is large
+
+
+def run(scene: Scene, patches: int | None = None, cameras: int = 1, threads: int = 1, rays: int = RAYS) -> dict[str, Any]:
+    """Measure on `scene`: the keys of `lumel bench --json` (see docs/cli.md). Steps and raw tracing of the same rays take turns."""
+    scene, _ = with_camera(scene)
+    core, _ = to_core(scene, patches)
+    eyes = _row(scene.cameras[0], cameras, core.radius)
+    shooting = _session(core, eyes, threads)
+    shooting.begin_replica(rays)
+    shooting.step(rays)  # opens memory
+    traced = shooting.capture(rays)
+    trace, step = _turns(shooting.trace_captured, lambda: shooting.step(rays))
+    shooting.end_replica()
+
+    dark = _session(core, eyes[:1], threads, first_shot=False)
+    for session in (shooting, dark):
+        session.begin_replica(rays // 8)
+        session.step(rays // 8)
+        session.end_replica()
+        session.reconstruct()
+    seen, without = _turns(lambda: shooting.eye_pass(0, EYE_SAMPLES), lambda: dark.eye_pass(0, EYE_SAMPLES))
+    samples = eyes[0].width * eyes[0].height * EYE_SAMPLES
+    return {
+        "embree_rays_per_s": traced / trace,
+        "shooting_rays_per_s": rays / step,
+        "shooting_over_embree": rays / step / (traced / trace),
+        "eye_pixels_per_s": samples / seen,
+        "eye_pixels_per_s_without_direct": samples / without,
+        "peak_rss_bytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
+        "triangles": core.triangles,
+        "patches": core.patches,
+        "cameras": cameras,
+        "threads": threads,
+    }
+
+
+def _session(core: _core.Scene, cameras: list[Camera], threads: int, first_shot: bool = True) -> _core.Session:
+    """Ray shooting alone, weighted, in patches: no ray is gathered."""
+    return _core.Session(
+        scene=core,
+        cameras=[camera_to_core(camera) for camera in cameras],
+        transport="rays",
+        areas="patches",
+        estimator="weighted",
+        defensive=-1.0,
+        gather=0.0,
+        first_shot=first_shot,
+        direct_samples=DIRECT_SAMPLES,
+        seed=0,
+        threads=threads,
+    )
+
+
+def _row(camera: Camera, count: int, radius: float) -> list[Camera]:
+    """`count` cameras side by side, the first of them as it is."""
+    matrix = np.asarray(camera.to_world, np.float64)
+    shifted = []
+    for i in range(count):
+        moved = matrix.copy()
+        moved[:3, 3] += i * BESIDE * radius * matrix[:3, 0]
+        shifted.append(replace(camera, to_world=moved))
+    return shifted
+
+
+def _turns(*works: Callable[[], object]) -> list[float]:
+    """Median seconds of each of `works`, which take turns, so that other load on the machine meets all."""
+    times: list[list[float]] = [[] for _ in works]
+    for _ in range(ROUNDS):
+        for work, spent in zip(works, times, strict=True):
+            begin = time.perf_counter()
+            work()
+            spent.append(time.perf_counter() - begin)
+    return [statistics.median(spent) for spent in times]

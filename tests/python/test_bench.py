@@ -1,0 +1,18 @@
+"""What `lumel bench` says, not how fast it is."""
+
+from __future__ import annotations
+
+import pytest
+
+from lumel.bench import run
+from lumel.cli.bench import tell
+from lumel.scenes import build
+
+
+def test_bench_says_what_it_measured() -> None:
+    found = run(build("cube"), patches=600, cameras=2, threads=1, rays=4096)
+    assert found["shooting_over_embree"] == pytest.approx(found["shooting_rays_per_s"] / found["embree_rays_per_s"])
+    assert found["eye_pixels_per_s"] > 0
+    assert found["peak_rss_bytes"] > 0
+    assert (found["cameras"], found["threads"], found["triangles"]) == (2, 1, 12)
+    assert "2 eyes, 1 thread" in tell(found)
