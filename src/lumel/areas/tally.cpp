@@ -26,6 +26,7 @@ Samples Tally::samples(size_t area) const {
               .fg = m.single_fg * (1 / (r * r)),
               .gg = m.single_gg / (r * r),
               .hits = m.hits,
+              .replicas = replicas_,
               .looks = m.looks,
               .looks_uncovered = m.looks_uncovered};
     if (replicas_ < 2) return s;
@@ -48,6 +49,7 @@ Samples scaled(const Samples& u, double f, double g) {
 Samples pooled(const Samples& a, const Samples& b) {
     Samples s = a;
     s.f += b.f, s.plain += b.plain, s.g += b.g, s.hits += b.hits, s.fg += b.fg, s.gg += b.gg;
+    s.replicas = std::max(a.replicas, b.replicas);
     s.looks += b.looks, s.looks_uncovered += b.looks_uncovered;
     s.var_f += b.var_f, s.cov_fg += b.cov_fg, s.var_plain += b.var_plain, s.var_g += b.var_g;
     return s;

@@ -19,6 +19,7 @@ struct Samples {
     Rgb64 fg{};         ///< sum over samples of the product of what each adds to F and to G,
     double gg = 0;      ///< and of the square of what it adds to G: moments of single samples, to find coefficients with
     uint64_t hits = 0;  ///< samples that are not 0
+    uint32_t replicas = 0;  ///< that the means and their covariances are made of
     double looks = 0, looks_uncovered = 0;  ///< looks along the lobe, and those of them that no transfer could have come along
 
     /// Share of the target density that p does not cover, as far as looks tell, 0..1.

@@ -1,6 +1,9 @@
 // How far an estimate can be trusted: what its samples say of themselves.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "lumel/estimators/estimator.h"
 
 namespace lumel {
@@ -31,7 +34,15 @@ struct Trust {
 private:
     static constexpr double kErrors = 4, kUncovered = 0.02;
 
-    static bool is_off(const Samples& s) { return s.var_g > 0 && (s.g - 1) * (s.g - 1) > kErrors * kErrors * s.var_g; }
+    /// Whether |G - 1| is as unlikely as kErrors standard errors of a normal variable. The spread of few replicas follows Student's law
+    /// (Wallace 1959 gives its normal equivalent), and where few hits made G small they made its spread small, too: Var G is proportional
+    /// to G.
+    static bool is_off(const Samples& s) {
+        if (!(s.var_g > 0) || s.replicas < 2) return false;
+        const double freedom = s.replicas - 1, t2 = (s.g - 1) * (s.g - 1) / (s.var_g * std::max(1.0, 1 / s.g));
+        const double normal = (8 * freedom + 1) / (8 * freedom + 3) * std::sqrt(freedom * std::log1p(t2 / freedom));
+        return normal > kErrors;
+    }
 };
 
 }  // namespace lumel
