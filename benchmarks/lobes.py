@@ -36,7 +36,7 @@ def spot_light(wall: str, at: np.ndarray) -> Rgb:
 
 
 def lobes(light: Radiance) -> Scene:
-    """A glossy bust on a glossy plinth (alpha 0.18, about cos^60) amid black walls that emit `light`: about 4,000 glossy patches in view."""
+    """A glossy bust on a glossy plinth (alpha 0.18, about cos^60) amid black walls that emit `light`: about 4,000 glossy patches."""
     materials = (Material("gloss", specular=(0.9, 0.9, 0.9), alpha=0.18), Material("wall"))
     meshes: list[Mesh] = [
         mesh("bust", bust((0.0, 0.7, 0.0), height=1.05, turn=14.0), "gloss"),

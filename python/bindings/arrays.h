@@ -18,6 +18,7 @@ using Rows = nb::ndarray<const T, nb::numpy, nb::shape<-1, Columns>, nb::c_conti
 template <class T>
 using Column = nb::ndarray<const T, nb::numpy, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Array = nb::ndarray<nb::numpy, float>;
+using Doubles = nb::ndarray<nb::numpy, double>;
 
 /// View the rows of an array as values of the core.
 template <class Value, class Rows>

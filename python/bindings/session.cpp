@@ -8,6 +8,7 @@
 
 #include "arrays.h"
 #include "lumel/solver/session.h"
+#include "lumel/transport/lamp_reach.h"
 
 using namespace lumel;
 
@@ -51,6 +52,11 @@ public:
     std::vector<MeasuredArea> measured(uint32_t camera, const Estimator& estimator) {
         std::vector<MeasuredArea> all;
         run([&] { all = session_->measured(camera, estimator); });
+        return all;
+    }
+    std::vector<LampReach> lamp_reach(uint32_t samples) {
+        std::vector<LampReach> all;
+        run([&] { all = lumel::lamp_reach(session_->accel(), samples, 0); });
         return all;
     }
     Session& session() { return *session_; }
@@ -117,12 +123,12 @@ nb::typed<nb::dict, nb::str, Array> layers(BoundSession& self, uint32_t camera) 
 
 /// The areas of interest of a camera, estimated one by one: `index` (n,) is the patch (plus the number of patches on its back) or the
 /// pixel; `value` and `stderr` (n, 3) W/(m2 sr), and what the estimate is made of.
-nb::typed<nb::dict, nb::str, nb::object> areas(BoundSession& self, uint32_t camera, const std::string& name) {
+nb::typed<nb::dict, nb::str, Doubles> areas(BoundSession& self, uint32_t camera, const std::string& name) {
     const Estimator* estimator = find_estimator(name);
     if (!estimator || camera >= self.session().cameras().size()) throw nb::value_error("unknown estimator or camera");
     const auto measured = self.measured(camera, *estimator);
     const size_t n = measured.size();
-    nb::typed<nb::dict, nb::str, nb::object> d;
+    nb::typed<nb::dict, nb::str, Doubles> d;
     const auto add_rgb = [&](const char* key, auto&& of) {
         std::vector<double> values;
         for (const MeasuredArea& area : measured) {
@@ -136,12 +142,11 @@ nb::typed<nb::dict, nb::str, nb::object> areas(BoundSession& self, uint32_t came
         for (const MeasuredArea& area : measured) values.push_back(static_cast<double>(of(area)));
         d[key] = to_numpy(std::move(values), {n});
     };
-    std::vector<uint32_t> index;
-    for (const MeasuredArea& area : measured) index.push_back(area.index);
-    d["index"] = to_numpy(std::move(index), {n});
+    add_scalar("index", [](const MeasuredArea& a) { return a.index; });
     add_rgb("value", [](const MeasuredArea& a) { return a.at.estimate.value; });
     add_rgb("variance", [](const MeasuredArea& a) { return a.at.estimate.variance; });
     add_rgb("mean", [](const MeasuredArea& a) { return a.at.samples.f + a.at.samples.plain; });
+    add_rgb("mean.variance", [](const MeasuredArea& a) { return a.at.samples.var_f + a.at.samples.var_plain; });
     add_scalar("albedo", [](const MeasuredArea& a) { return a.albedo; });
     add_scalar("weight", [](const MeasuredArea& a) { return a.at.samples.g; });
     add_scalar("weight.variance", [](const MeasuredArea& a) { return a.at.samples.var_g; });
@@ -176,6 +181,18 @@ nb::typed<nb::dict, nb::str, nb::object> stats(BoundSession& self) {
 
 }  // namespace
 
+/// Shares of the flux of every lamp (area lamps, then point lamps) that arrive on each shape first, and in the last column that leave the
+/// scene: (lamps, shapes + 1).
+Array reach_of_lamps(BoundSession& self, uint32_t samples) {
+    const auto all = self.lamp_reach(samples);
+    std::vector<float> values;
+    for (const LampReach& lamp : all) {
+        values.insert(values.end(), lamp.onto.begin(), lamp.onto.end());
+        values.push_back(lamp.escaped);
+    }
+    return to_numpy(std::move(values), {all.size(), self.session().scene().shapes() + size_t{1}});
+}
+
 void bind_session(nb::module_& m) {
     nb::class_<BoundSession>(m, "Session")
         .def(nb::init<const Scene&, const std::vector<Camera>&, const std::string&, const std::string&, const std::string&, float, float,
@@ -191,6 +208,13 @@ void bind_session(nb::module_& m) {
         .def("trace_captured", &BoundSession::trace_captured)
         .def("stop", [](BoundSession& self) { self.session().stop(); })
         .def("layers", layers, nb::arg("camera"))
+        .def("lamp_reach", reach_of_lamps, nb::arg("samples"))
+        .def("landed",
+             [](BoundSession& self) {
+                 auto landed = self.session().solver().stats().landed;
+                 const size_t shapes = landed.size();
+                 return to_numpy(std::move(landed), {shapes});
+             })
         .def("areas", areas, nb::arg("camera"), nb::arg("estimator"))
         .def("direct", [](BoundSession& self) { return field(self.session().solver().direct()); })
         .def("indirect", [](BoundSession& self) { return field(self.session().solver().indirect()); })

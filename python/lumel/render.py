@@ -7,7 +7,7 @@ import math
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from .result import Patches, Result
 from .scene import FloatArray, Scene
 from .schedule import Schedule
 from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, QUALITIES, Settings
+
+if TYPE_CHECKING:
+    from .explanation import Explanation
 
 WORTH_SAYING = 0.1  # share of flagged areas; a few have lobes that reach below the horizon of their triangles
 DIRECT_SAMPLES = 4  # shadow rays a side and replica for the first shot
@@ -43,6 +46,7 @@ def render(
     seed: int = 0,
     threads: int = 0,
     layers: Sequence[str] | Literal["all"] | None = None,
+    explain: bool = False,
     progress: Callable[[Progress], None] | None = None,
     interrupted: Callable[[], bool] | None = None,
     started: float | None = None,
@@ -55,9 +59,10 @@ def render(
     under one density with them (None: 16, and 0 for `classical`). first_shot: compute direct light apart. One budget:
     rays (shooting rays), time (s, from `started` until the picture is complete) or error (relative); with none, `quality`
     (draft, medium, high) sets the work. patches: how many, about. camera: a name, `all`, or None for the first. size:
-    (width, height) in pixels. threads: 0 for all. layers: names that the result must have. progress is called now and
-    then; interrupted is asked between steps, and True ends the work early with a valid result. started:
-    time.monotonic() of when the files were read. Equal seed and rays give equal bytes for any number of threads.
+    (width, height) in pixels. threads: 0 for all. layers: names that the result must have. explain: the result tells where the
+    light went and what was made of it. progress is called now and then; interrupted is asked between steps, and True ends the
+    work early with a valid result. started: time.monotonic() of when the files were read. Equal seed and rays give equal bytes
+    for any number of threads.
 
     Raises SettingsError or SceneError with all that is wrong.
     """
@@ -89,7 +94,8 @@ def render(
     pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
     stats = _stats(session, schedule, clock.monotonic() - started, core.patches)
     notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(settings, stats))
-    return Result(pictures, _patches(core, session, scene), _metadata(scene, settings, stats), stats, notes)
+    story = _explanation(core, session, scene, settings) if explain else None
+    return Result(pictures, _patches(core, session, scene), _metadata(scene, settings, stats), stats, notes, story)
 
 
 def _work(schedule: Schedule, settings: Settings, patches: int) -> None:
@@ -147,6 +153,12 @@ def scene_hash(scene: Scene) -> str:
         view = (camera.fov, camera.fov_axis, camera.width, camera.height)
         digest.update(repr((camera.name, np.asarray(camera.to_world).tolist(), *view)).encode())
     return digest.hexdigest()
+
+
+def _explanation(core: _core.Scene, session: _core.Session, scene: Scene, settings: Settings) -> Explanation:
+    from .explanation import explain
+
+    return explain(session, scene, core.lamp_areas, settings.cameras(scene), settings.transport, settings.estimator)
 
 
 def _dark(scene: Scene, pictures: dict[str, dict[str, FloatArray]]) -> Iterator[str]:

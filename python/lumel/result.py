@@ -7,10 +7,13 @@ import html
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from .errors import OutputError, Problem, SettingsError, nearest
 from .scene import FloatArray
+
+if TYPE_CHECKING:
+    from .explanation import Explanation
 
 LAYERS: Mapping[str, str] = {
     "emission": "light that the surface in view emits itself",
@@ -59,7 +62,7 @@ class Result:
 
     The layer `rgb` is the picture itself, W/(m2 sr), linear Rec.709. `metadata` is text that goes into files, `stats` the same and
     more as plain numbers (`rays`, `rays_per_s`, `time` in s, `error`, `interrupted`), `notes` what the user should know
-    (what was ignored or assumed).
+    (what was ignored or assumed), `explanation` where it was asked for.
     """
 
     pictures: Mapping[str, Mapping[str, FloatArray]]
@@ -67,6 +70,7 @@ class Result:
     metadata: Mapping[str, str] = field(default_factory=dict)
     stats: Mapping[str, object] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    explanation: Explanation | None = None
 
     @property
     def cameras(self) -> tuple[str, ...]:

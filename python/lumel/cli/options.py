@@ -39,6 +39,9 @@ Seed = Annotated[int | None, typer.Option("--seed", metavar="N", help="Of the ra
 Threads = Annotated[int | None, typer.Option("--threads", metavar="N", help="One for each processor by default.")]
 Define = Annotated[list[str] | None, typer.Option("-D", metavar="name=value", help="Set $name in the scene; repeat for several.")]
 Lenient = Annotated[bool, typer.Option("--lenient", help="Go on without what the reader does not know.")]
+Explain = Annotated[
+    bool, typer.Option("--explain", help="Say where the light went and what the estimator did; OUT.explain.png shows where.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Say nothing but errors.")]
 Progress = Annotated[
     str | None, typer.Option("--progress", metavar="bar|plain|json", help="How progress shows; bar on a terminal, else plain.")

@@ -43,6 +43,7 @@ def render(
     threads: options.Threads = None,
     define: options.Define = None,
     lenient: options.Lenient = False,
+    explain: options.Explain = False,
     quiet: options.Quiet = False,
     show: options.Progress = None,
 ) -> None:
@@ -69,10 +70,14 @@ def render(
         started = clock.monotonic()
         if camera == "all":
             _check_outputs([path for path, _ in _targets(output, [view.name for view in loaded.cameras])])
-        result = _run(loaded, given | {"started": started}, show, quiet)
+        result = _run(loaded, given | {"started": started, "explain": explain}, show, quiet)
         files = _write(result, output, every_camera=camera == "all", layers=wanted, exposure=exposure, half=half)
         if not quiet:
             summary.show(result, files, as_json=show == "json")
+            if result.explanation and show != "json":
+                from .explain import show as show_explanation
+
+                show_explanation(result.explanation)
 
 
 def _check(problems: Sequence[Problem], settings: Mapping[str, Any], outputs: Sequence[Path]) -> None:
@@ -117,8 +122,13 @@ def _write(result: Result, outputs: Sequence[Path], *, every_camera: bool, **how
     from ..images.files import write_files
 
     targets = _targets(outputs, result.cameras) if every_camera else [(output, result.cameras[0]) for output in outputs]
-    write_files({path: result.encode(path, camera=camera, **how) for path, camera in targets})
-    return [path for path, _ in targets]
+    files = {path: result.encode(path, camera=camera, **how) for path, camera in targets}
+    if result.explanation:
+        from . import explain
+
+        files |= {explain.path_of_picture(path): explain.picture(result, camera) for path, camera in targets}
+    write_files(files)
+    return list(files)
 
 
 def _targets(outputs: Sequence[Path], cameras: Sequence[str]) -> list[tuple[Path, str]]:

@@ -18,7 +18,9 @@ Solver::Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfi
       config_(config),
       areas_(std::move(areas)),
       direct_(accel.scene().sides()),
-      indirect_(accel.scene().sides()) {}
+      indirect_(accel.scene().sides()) {
+    stats_.landed.resize(accel.scene().shapes());
+}
 
 void Solver::begin_replica(uint64_t solve_rays) {
     const uint64_t replica = replicas();
@@ -68,6 +70,9 @@ void Solver::absorb(const Generation& generation, double weight) {
     areas_.measure(step);
     if (pixels_) pixels_->measure(step);
     density_rays_ += static_cast<double>(generation.transfers.rays);
+    const Scene& scene = accel_->scene();
+    for (uint32_t side = 0; side < scene.sides(); ++side)
+        stats_.landed[scene.shape(scene.triangle_of_side(side))] += generation.transfers.group(side).size();
     stats_.escaped += generation.transfers.escaped;
     stats_.lost_flux += generation.transfers.lost_flux * weight;
 }

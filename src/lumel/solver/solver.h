@@ -28,6 +28,7 @@ struct SolverStats {
     uint64_t rays = 0;       ///< shooting rays
     uint64_t escaped = 0;    ///< of them, those that left the scene
     double lost_flux = 0;    ///< lum of the flux that left the scene, summed over steps as `weight` counts them
+    std::vector<uint64_t> landed;  ///< per shape: transfers that ended there, of those that were measured
 };
 
 /// Work goes in the order begin_replica, step..., end_replica; pictures may be made after any end_replica.
