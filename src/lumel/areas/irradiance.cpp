@@ -1,6 +1,19 @@
 #include "lumel/areas/irradiance.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "lumel/areas/neighbourhood.h"
+#include "lumel/scene/surface.h"
+
 namespace lumel {
+
+namespace {
+
+constexpr uint32_t kFarthest = 32;  // neighbours on either side in the order of sides
+constexpr uint32_t kSides = 512;    // of a work item
+
+}  // namespace
 
 SideField SideMoments::field(uint32_t replicas) const {
     const double r = std::max(1u, replicas);
@@ -12,6 +25,56 @@ SideField SideMoments::field(uint32_t replicas) const {
         const Rgb64 spread = (squares_[side] - mean * mean * r) * (1 / (r * (r - 1)));
         field.variance[side] = Rgb64{std::max(0.0, spread.x), std::max(0.0, spread.y), std::max(0.0, spread.z)}.to_float();
     }
+    return field;
+}
+
+void IrradianceAreas::measure(const Step& step) {
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene_->sides(), kSides), [&](const auto& range) {
+        for (uint32_t side = range.begin(); side < range.end(); ++side)
+            for (uint32_t i : step.transfers.group(side)) {
+                const Transfer& transfer = step.transfers.all[i];
+                const Surface x(*scene_, {scene_->triangle_of_side(side), transfer.u, transfer.v}, scene_->is_back(side));
+                const Rgb64 light = to_double(transfer.flux * x.adjoint(transfer.wi));
+                if (transfer.inv_pdf > 0)
+                    tally_.add(side, step, light, double{transfer.inv_pdf} / double{kPi});
+                else
+                    tally_.add_plain(side, step, light);
+            }
+    });
+}
+
+Samples IrradianceAreas::samples(uint32_t side) const {
+    const double per_area = 1 / double{scene_->side_area(side)};
+    return scaled(tally_.samples(side), per_area, per_area);
+}
+
+Samples IrradianceAreas::around(uint32_t position) const {
+    const SideOrder& order = scene_->side_order();
+    Samples sum;
+    double area = 0;
+    const auto add = [&](uint32_t at) {
+        sum = pooled(sum, tally_.samples(order.side(at)));
+        area += double{scene_->side_area(order.side(at))};
+    };
+    bool before = !order.starts_run(position), after = true;
+    for (uint32_t away = 1; away <= kFarthest && sum.hits < kEnoughAround && (before || after); ++away) {
+        if (before) add(position - away), before = !order.starts_run(position - away);
+        after = after && position + away < order.size() && !order.starts_run(position + away);
+        if (after) add(position + away);
+    }
+    return area > 0 ? scaled(sum, 1 / area, 1 / area) : sum;
+}
+
+SideField IrradianceAreas::field(const Estimator& estimator) const {
+    const SideOrder& order = scene_->side_order();
+    SideField field{std::vector<Rgb>(order.size()), std::vector<Rgb>(order.size())};
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, order.size(), kSides), [&](const auto& range) {
+        for (uint32_t position = range.begin(); position < range.end(); ++position) {
+            const uint32_t side = order.side(position);
+            const Estimate e = estimator.estimate(samples(side), around(position));
+            field.mean[side] = e.value.to_float(), field.variance[side] = e.variance.to_float();
+        }
+    });
     return field;
 }
 

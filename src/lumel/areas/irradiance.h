@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lumel/math/vec.h"
+#include "lumel/areas/tally.h"
 
 namespace lumel {
 
@@ -29,6 +29,28 @@ public:
 
 private:
     std::vector<Rgb64> sum_, squares_;
+};
+
+/// The irradiance of every side with a density to weigh it by (Bekaert, Sbert, Willems 2000): g = cos(theta_i) / pi over the side. With
+///     f/p = L_in cos(theta_i) / (A p)      g/p = cos(theta_i) / (pi A p)
+/// the same estimators apply as to gloss. It pays where sides have few hits, and only where p covers the whole hemisphere.
+class IrradianceAreas {
+public:
+    explicit IrradianceAreas(const Scene& scene) : scene_(&scene), tally_(scene.sides()) {}
+
+    void measure(const Step& step);
+    /// End a replica: see Tally.
+    void close_replica(double weight, double rays) { tally_.close_replica(weight, rays); }
+    /// Samples of one side.
+    Samples samples(uint32_t side) const;
+    /// Estimate all sides; neighbours are those next to a side in the scene's order of sides.
+    SideField field(const Estimator& estimator) const;
+
+private:
+    Samples around(uint32_t position) const;
+
+    const Scene* scene_;
+    Tally tally_;
 };
 
 }  // namespace lumel

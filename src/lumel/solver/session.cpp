@@ -28,17 +28,24 @@ Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& 
       cameras_(std::move(cameras)),
       config_(config) {
     // Gathered samples cover all that a lobe can see, and `classical` asks for no cover.
-    const bool covered = config_.solver.gather > 0 || config_.estimator == find_estimator("classical");
+    const bool is_classical = config_.estimator == find_estimator("classical"), is_auto = config_.estimator == find_estimator("auto");
+    const bool covered = (config_.solver.gather > 0 || is_classical) && !config_.weight_diffuse.value_or(false);
     if (config_.solver.defensive < 0) config_.solver.defensive = covered ? 0 : defensive_.open() ? kDefensiveOpen : kDefensiveClosed;
     const bool in_pixels = config.areas == AreaKind::kPixels;
     PatchAreas patches(scene_, eyes_of(cameras_), in_pixels ? std::vector<uint32_t>{} : visible_glossy_sides(accel_, lattice_, cameras_));
     solver_.emplace(accel_, defensive_, config_.solver, std::move(patches));
     if (in_pixels) solver_->measure_pixels(PixelAreas(accel_, cameras_));
+    if (config_.weight_diffuse.value_or(is_auto && config_.solver.defensive > 0)) solver_->weigh_irradiance();
+}
+
+SideField Session::indirect() const {
+    const IrradianceAreas* weighed = solver_->irradiance();
+    return weighed ? weighed->field(*config_.estimator) : solver_->indirect();
 }
 
 void Session::reconstruct() {
-    const SideField indirect = solver_->indirect();
-    reconstruction_.emplace(scene_, lattice_, Solution{indirect, solver_->areas()}, *config_.estimator);
+    const SideField shot = indirect();
+    reconstruction_.emplace(scene_, lattice_, Solution{shot, solver_->areas()}, *config_.estimator);
     pixels_.clear();
     for (uint32_t c = 0; solver_->pixels() && c < cameras_.size(); ++c)
         pixels_.push_back(estimate_pixels(*solver_->pixels(), c, *config_.estimator));

@@ -17,6 +17,7 @@ struct SessionConfig {
     SolverConfig solver;
     AreaKind areas = AreaKind::kPatches;
     const Estimator* estimator = find_estimator("weighted");
+    std::optional<bool> weight_diffuse;  ///< weigh irradiance too; by default where the estimator is `auto` and the density covers it
 };
 
 /// One area of interest of a camera.
@@ -39,6 +40,8 @@ public:
     const std::vector<Camera>& cameras() const { return cameras_; }
     Solver& solver() { return *solver_; }
 
+    /// Irradiance that was shot, W/m2, weighed if it was asked for.
+    SideField indirect() const;
     /// Make the fields for eye passes from the replicas closed so far, and start the films anew.
     void reconstruct();
     const Reconstruction& reconstruction() const { return *reconstruction_; }

@@ -69,6 +69,7 @@ void Solver::absorb(const Generation& generation, double weight) {
     const Step step{generation.transfers, generation.sight, weight, gather, key(config_.seed, kGather, replicas(), generations_++)};
     areas_.measure(step);
     if (pixels_) pixels_->measure(step);
+    if (irradiance_) irradiance_->measure(step);
     density_rays_ += static_cast<double>(generation.transfers.rays);
     const Scene& scene = accel_->scene();
     for (uint32_t side = 0; side < scene.sides(); ++side)
@@ -87,6 +88,7 @@ void Solver::end_replica() {
     }
     areas_.close_replica(weight_, density_rays_);
     if (pixels_) pixels_->close_replica(weight_, density_rays_);
+    if (irradiance_) irradiance_->close_replica(weight_, density_rays_);
     steps_ = 0;
     frozen_.reset();
     light_.reset();

@@ -39,6 +39,9 @@ public:
     /// Measure pixels too, from the first replica on.
     void measure_pixels(PixelAreas pixels) { pixels_ = std::move(pixels); }
 
+    /// Give irradiance a density to weigh it by, from the first replica on.
+    void weigh_irradiance() { irradiance_.emplace(accel_->scene()); }
+
     /// Start replica `replicas()`: its own first shot and, for `rays`, its own solution by power with about `solve_rays` rays.
     void begin_replica(uint64_t solve_rays);
     /// Shoot about `rays` rays: one step of `rays`, or one whole walk of `walk`.
@@ -55,6 +58,8 @@ public:
     const PatchAreas& areas() const { return areas_; }
     /// Pixels, if they are measured too.
     const PixelAreas* pixels() const { return pixels_ ? &*pixels_ : nullptr; }
+    /// Irradiance that was shot with its density, if it is weighed.
+    const IrradianceAreas* irradiance() const { return irradiance_ ? &*irradiance_ : nullptr; }
     /// Irradiance straight from lamps (first shot), W/m2.
     SideField direct() const { return direct_.field(replicas()); }
     /// Irradiance that was shot, W/m2: indirect light, or all light without the first shot.
@@ -68,6 +73,7 @@ private:
     SolverConfig config_;
     PatchAreas areas_;
     std::optional<PixelAreas> pixels_;
+    std::optional<IrradianceAreas> irradiance_;
     SolverStats stats_;
     SideMoments direct_, indirect_;
 

@@ -28,7 +28,8 @@ struct Group {
     uint32_t first, last;  // positions in the order of sides
 };
 constexpr size_t kEnoughHits = 16;
-constexpr uint32_t kMostSides = 64;
+constexpr uint32_t kMostSides = 256;
+constexpr double kSmall = 0.25;  // of the mean patch
 
 std::vector<Group> group_by_hits(const Scene& scene, const Transfers& transfers) {
     const SideOrder& order = scene.side_order();
@@ -65,30 +66,37 @@ void draw_records(const std::vector<Light>& lights, double share, uint64_t strea
     }
 }
 
-/// Sum what each side of a group received, and let all send on the light of the group in proportion to their areas.
+/// Sum what each side of a group received, and let the group send it on. The Lambertian share of small sides is spread over these by area;
+/// others keep theirs. The specular share is spread over the small sides and those that were hit: the others may lie where no light
+/// comes, under a box.
 void scatter_group(const Scene& scene, const Transfers& transfers, std::span<const uint32_t> sides, uint64_t stream,
                    std::vector<Rgb>& received, Emitters& next) {
-    Rgb64 sum;
-    double area = 0;
+    const double small_area = scene.total_area() / scene.patches() * kSmall;
+    const auto is_small = [&](uint32_t side) { return sides.size() > 1 && double{scene.side_area(side)} < small_area; };
+    const auto takes_part = [&](uint32_t side) { return is_small(side) || !transfers.group(side).empty(); };
+    double area = 0, area_of_small = 0;
+    Rgb64 light_of_small;
     std::vector<Light> lights;
     for (uint32_t side : sides) {
         const bool glossy = scene.glossy_index(side) != Scene::kNone, plain = !glossy && !scene.is_smooth(scene.triangle_of_side(side));
-        Rgb64 here;
+        Rgb64 sum;
         for (uint32_t i : transfers.group(side)) {
             const Transfer& transfer = transfers.all[i];
             const Incident light = plain ? Incident{transfer.flux} : incident(scene, transfer, scene.is_back(side), glossy);
-            here += light.flux;
+            sum += light.flux;
             if (light.power > 0)
                 lights.push_back({transfer.wi, light.flux, (lights.empty() ? 0.0 : lights.back().power_so_far) + double{light.power}});
         }
-        received[side] = here.to_float();
-        sum += here, area += double{scene.side_area(side)};
+        received[side] = sum.to_float();
+        if (is_small(side)) light_of_small += sum, area_of_small += double{scene.side_area(side)};
+        if (takes_part(side)) area += double{scene.side_area(side)};
     }
     for (uint32_t side : sides) {
-        const double share = double{scene.side_area(side)} / area;
+        const double size = double{scene.side_area(side)};
+        const Rgb sent = is_small(side) ? (light_of_small * (size / area_of_small)).to_float() : received[side];
+        next.diffuse[side] = scene.scatters(side) ? sent * scene.material(scene.triangle_of_side(side)).diffuse : Rgb{};
         next.clear_records(scene, side);
-        next.diffuse[side] = scene.scatters(side) ? (sum * share).to_float() * scene.material(scene.triangle_of_side(side)).diffuse : Rgb{};
-        if (!lights.empty()) draw_records(lights, share, key(stream, side), next.open_records(scene, side));
+        if (takes_part(side) && !lights.empty()) draw_records(lights, size / area, key(stream, side), next.open_records(scene, side));
     }
 }
 
