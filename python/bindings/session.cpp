@@ -1,3 +1,4 @@
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
@@ -18,8 +19,8 @@ namespace {
 class BoundSession {
 public:
     BoundSession(const Scene& scene, const std::vector<Camera>& cameras, const std::string& transport, const std::string& areas,
-                 const std::string& estimator, float defensive, float gather, bool first_shot, uint32_t direct_samples, uint64_t seed,
-                 int threads)
+                 const std::string& estimator, float defensive, float gather, std::optional<bool> weight_diffuse, bool first_shot,
+                 uint32_t direct_samples, uint64_t seed, int threads)
         : limit_(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)), arena_(threads) {
         SessionConfig config;
         config.solver = {
@@ -27,6 +28,7 @@ public:
         config.areas = areas == "pixels" ? AreaKind::kPixels : AreaKind::kPatches;
         if ((transport != "walk" && transport != "rays") || (areas != "pixels" && areas != "patches"))
             throw nb::value_error("unknown transport or areas");
+        config.weight_diffuse = weight_diffuse;
         config.estimator = find_estimator(estimator);
         if (!config.estimator) throw nb::value_error("unknown estimator");
         run([&] { session_ = std::make_unique<Session>(scene, cameras, config); });
@@ -196,9 +198,10 @@ Array reach_of_lamps(BoundSession& self, uint32_t samples) {
 void bind_session(nb::module_& m) {
     nb::class_<BoundSession>(m, "Session")
         .def(nb::init<const Scene&, const std::vector<Camera>&, const std::string&, const std::string&, const std::string&, float, float,
-                      bool, uint32_t, uint64_t, int>(),
+                      std::optional<bool>, bool, uint32_t, uint64_t, int>(),
              nb::arg("scene"), nb::arg("cameras"), nb::arg("transport"), nb::arg("areas"), nb::arg("estimator"), nb::arg("defensive"),
-             nb::arg("gather"), nb::arg("first_shot"), nb::arg("direct_samples"), nb::arg("seed"), nb::arg("threads"))
+             nb::arg("gather"), nb::arg("weight_diffuse").none(), nb::arg("first_shot"), nb::arg("direct_samples"), nb::arg("seed"),
+             nb::arg("threads"))
         .def("begin_replica", &BoundSession::begin_replica, nb::arg("solve_rays"))
         .def("step", &BoundSession::step, nb::arg("rays"))
         .def("end_replica", &BoundSession::end_replica)
@@ -217,7 +220,7 @@ void bind_session(nb::module_& m) {
              })
         .def("areas", areas, nb::arg("camera"), nb::arg("estimator"))
         .def("direct", [](BoundSession& self) { return field(self.session().solver().direct()); })
-        .def("indirect", [](BoundSession& self) { return field(self.session().solver().indirect()); })
+        .def("indirect", [](BoundSession& self) { return field(self.session().indirect()); })
         .def("borrowed", [](BoundSession& self) { return self.session().borrowed(); })
         .def("unfilled", [](BoundSession& self) { return self.session().unfilled(); })
         .def("flagged", [](BoundSession& self) { return self.session().flagged(); })

@@ -66,6 +66,7 @@ def _session(core: _core.Scene, cameras: list[Camera], threads: int, first_shot:
         estimator="weighted",
         defensive=-1.0,
         gather=0.0,
+        weight_diffuse=None,
         first_shot=first_shot,
         direct_samples=DIRECT_SAMPLES,
         seed=0,

@@ -35,6 +35,7 @@ def render(
     estimator: str = "auto",
     defensive: float | None = None,
     gather: float | None = None,
+    weight_diffuse: bool | None = None,
     first_shot: bool = True,
     rays: int | None = None,
     time: float | None = None,
@@ -56,7 +57,8 @@ def render(
     transport: `rays` (shoot from a solved state) or `walk` (random walks from the lights). areas: `patches` or `pixels`, where the light in
     gloss is measured. estimator: `auto`, `weighted`, `regression` or `classical`. defensive: share of rays that starts anywhere,
     0..1 (None: chosen by scene and estimator). gather: gathering rays for every glossy area in view per 2^20 shooting rays,
-    under one density with them (None: 16, and 0 for `classical`). first_shot: compute direct light apart. One budget:
+    under one density with them (None: 16, and 0 for `classical`). weight_diffuse: weigh diffuse light, too (None: where the
+    estimator is `auto` and defensive rays cover all directions). first_shot: compute direct light apart. One budget:
     rays (shooting rays), time (s, from `started` until the picture is complete) or error (relative); with none, `quality`
     (draft, medium, high) sets the work. patches: how many, about. camera: a name, `all`, or None for the first. size:
     (width, height) in pixels. threads: 0 for all. layers: names that the result must have. explain: the result tells where the
@@ -71,7 +73,23 @@ def render(
         raise SettingsError(f"scene is {scene!r:.80}; allowed: a lumel.Scene, such as lumel.load makes")
     scene, framed = with_camera(scene)
     settings = Settings(
-        transport, areas, estimator, defensive, gather, first_shot, rays, time, error, patches, quality, camera, size, seed, threads, layers
+        transport,
+        areas,
+        estimator,
+        defensive,
+        gather,
+        weight_diffuse,
+        first_shot,
+        rays,
+        time,
+        error,
+        patches,
+        quality,
+        camera,
+        size,
+        seed,
+        threads,
+        layers,
     )
     settings.check(scene)
     cameras = settings.cameras(scene)
@@ -84,6 +102,7 @@ def render(
         estimator=estimator,
         defensive=-1.0 if defensive is None else defensive,
         gather=settings.gather_rays(),
+        weight_diffuse=weight_diffuse,
         first_shot=first_shot,
         direct_samples=DIRECT_SAMPLES,
         seed=seed,

@@ -43,6 +43,7 @@ class Settings:
     estimator: str = "auto"
     defensive: float | None = None
     gather: float | None = None
+    weight_diffuse: bool | None = None
     first_shot: bool = True
     rays: int | None = None
     time: float | None = None

@@ -20,6 +20,10 @@ Defensive = Annotated[float | None, typer.Option("--defensive", metavar="SHARE",
 Gather = Annotated[
     float | None, typer.Option("--gather", metavar="N", help="Gathering rays for every area per 2^20 shooting rays; 0 for none.")
 ]
+WeightDiffuse = Annotated[
+    bool | None,
+    typer.Option("--weight-diffuse/--no-weight-diffuse", help="Weigh diffuse light, too; by default where `auto` finds it covered."),
+]
 FirstShot = Annotated[
     bool | None, typer.Option("--first-shot/--no-first-shot", help="Replace lamps by their first reflection; on by default.")
 ]

@@ -28,6 +28,7 @@ def render(
     estimator: options.Estimator = None,
     defensive: options.Defensive = None,
     gather: options.Gather = None,
+    weight_diffuse: options.WeightDiffuse = None,
     first_shot: options.FirstShot = None,
     rays: options.Rays = None,
     time: options.Time = None,
@@ -53,8 +54,8 @@ def render(
     wanted = values.layers(layers, problems)
     budgets = {"rays": values.count("--rays", rays, problems), "time": time, "error": error}
     settings: dict[str, Any] = {
-        "transport": transport, "areas": areas, "estimator": estimator, "defensive": defensive, "gather": gather, "first_shot": first_shot,
-        "patches": values.count("--patches", patches, problems), "quality": quality,
+        "transport": transport, "areas": areas, "estimator": estimator, "defensive": defensive, "gather": gather,
+        "weight_diffuse": weight_diffuse, "first_shot": first_shot, "patches": values.count("--patches", patches, problems), "quality": quality,
         "camera": camera, "size": values.size(size, problems), "layers": wanted, "seed": seed, "threads": threads,
     }  # fmt: skip
     show = show or progress.default_kind()

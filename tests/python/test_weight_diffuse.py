@@ -1,0 +1,50 @@
+"""Weighing diffuse light: the same light, with less noise where patches have few hits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import lumel
+from lumel.scenes import cornell
+from running import assert_same_mean
+
+SEEDS = 6
+
+
+def irradiances(rays: int, **settings: object) -> list[lumel.scene.FloatArray]:
+    """Irradiance of the patches that get light, by seed."""
+    results = [
+        lumel.render(cornell.scene(), rays=rays, patches=800, size=(4, 4), quality="draft", gather=0, seed=seed, **settings)  # type: ignore[arg-type]
+        for seed in range(SEEDS)
+    ]
+    return [result.patches.irradiance for result in results]
+
+
+def spread(values: list[lumel.scene.FloatArray], truth: lumel.scene.FloatArray) -> float:
+    """Mean square error."""
+    return float(np.mean([(value - truth) ** 2 for value in values]))
+
+
+@pytest.mark.parametrize("estimator", ["auto", "weighted", "regression"])
+def test_it_is_the_same_light(estimator: str) -> None:
+    plain = irradiances(60_000, estimator=estimator, weight_diffuse=False)
+    weighed = irradiances(60_000, estimator=estimator, weight_diffuse=True)
+    # The bias of a ratio of some 50 hits is below 2 %.
+    assert_same_mean(weighed, plain, slack=0.02)
+
+
+def test_auto_has_less_noise() -> None:
+    truth = np.mean(irradiances(1_000_000, estimator="classical", weight_diffuse=False), axis=0)
+    plain, weighed = (irradiances(20_000, estimator="auto", weight_diffuse=weigh) for weigh in (False, True))
+    assert spread(weighed, truth) < 0.9 * spread(plain, truth)
+
+
+def test_auto_weighs_where_the_density_covers_the_hemisphere() -> None:
+    def render(**settings: object) -> bytes:
+        result = lumel.render(cornell.scene(), rays=50_000, size=(4, 4), quality="draft", **settings)  # type: ignore[arg-type]
+        return result.patches.irradiance.tobytes()
+
+    assert render(gather=0) == render(gather=0, weight_diffuse=True)
+    assert render(gather=0, defensive=0) == render(gather=0, defensive=0, weight_diffuse=False)
+    assert render() == render(weight_diffuse=False)
