@@ -55,8 +55,9 @@ def render(
     budgets = {"rays": values.count("--rays", rays, problems), "time": time, "error": error}
     settings: dict[str, Any] = {
         "transport": transport, "areas": areas, "estimator": estimator, "defensive": defensive, "gather": gather,
-        "weight_diffuse": weight_diffuse, "first_shot": first_shot, "patches": values.count("--patches", patches, problems), "quality": quality,
-        "camera": camera, "size": values.size(size, problems), "layers": wanted, "seed": seed, "threads": threads,
+        "weight_diffuse": weight_diffuse, "first_shot": first_shot, "patches": values.count("--patches", patches, problems),
+        "quality": quality, "camera": camera, "size": values.size(size, problems), "layers": wanted, "explain": explain or None,
+        "seed": seed, "threads": threads,
     }  # fmt: skip
     show = show or progress.default_kind()
     values.choice("--progress", show, progress.KINDS, problems)
@@ -71,7 +72,7 @@ def render(
         started = clock.monotonic()
         if camera == "all":
             _check_outputs([path for path, _ in _targets(output, [view.name for view in loaded.cameras])])
-        result = _run(loaded, given | {"started": started, "explain": explain}, show, quiet)
+        result = _run(loaded, given | {"started": started}, show, quiet)
         files = _write(result, output, every_camera=camera == "all", layers=wanted, exposure=exposure, half=half)
         if not quiet:
             summary.show(result, files, as_json=show == "json")
@@ -87,7 +88,7 @@ def _check(problems: Sequence[Problem], settings: Mapping[str, Any], outputs: Se
     from ..settings import Settings
 
     # The problems of flags say what the user typed, so they stand for the same one in the settings.
-    known = {name: value for name, value in settings.items() if name != "layers"}
+    known = {name: value for name, value in settings.items() if name not in ("layers", "explain")}
     bad = [*problems, *Settings(**known).problems()]
     unwritable = problems_with(outputs)
     if bad:
