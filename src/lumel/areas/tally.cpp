@@ -17,6 +17,11 @@ void Tally::close_replica(double weight, double rays) {
     ++replicas_;
 }
 
+void Tally::merge(const Tally& other) {
+    for (size_t i = 0; i < current_.size(); ++i) current_[i] += other.current_[i], closed_[i] += other.closed_[i];
+    replicas_ += other.replicas_;
+}
+
 Samples Tally::samples(size_t area) const {
     const Moments& m = closed_[area];
     const double r = std::max(1u, replicas_);

@@ -60,6 +60,8 @@ public:
     }
     /// End a replica: `weight` is the sum of the weights of its light, `rays` the sum of the rays of its steps.
     void close_replica(double weight, double rays);
+    /// Add the sums of `other`, over the same areas: its closed replicas to those here, its replica under way to the one here.
+    void merge(const Tally& other);
     /// Means over replicas, with the covariances of these means.
     Samples samples(size_t area) const;
 
@@ -68,11 +70,22 @@ private:
         Rgb64 f, plain, fg;
         double g = 0, gg = 0;
         uint64_t hits = 0;
+
+        Sums& operator+=(const Sums& o) {
+            f += o.f, plain += o.plain, fg += o.fg, g += o.g, gg += o.gg, hits += o.hits;
+            return *this;
+        }
     };
     struct Moments {
         Rgb64 f, plain, ff, fg, plain2, single_fg;
         double g = 0, gg = 0, single_gg = 0, looks = 0, looks_uncovered = 0;
         uint64_t hits = 0;
+
+        Moments& operator+=(const Moments& o) {
+            f += o.f, plain += o.plain, ff += o.ff, fg += o.fg, plain2 += o.plain2, single_fg += o.single_fg;
+            g += o.g, gg += o.gg, single_gg += o.single_gg, looks += o.looks, looks_uncovered += o.looks_uncovered, hits += o.hits;
+            return *this;
+        }
     };
     std::vector<Sums> current_;
     std::vector<Moments> closed_;
