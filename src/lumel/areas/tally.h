@@ -25,11 +25,11 @@ struct Step {
 
     /// Rays that an area gathers in this step.
     uint32_t gather_count(uint64_t area_stream) const { return at_random(gather, area_stream); }
-    /// Looks that only tell what the density covers, where nothing is gathered: they cost up to a tenth of the step's rays in all.
+    /// Looks that only tell what the density covers, where nothing is gathered: a few, that cost up to a tenth of the step's rays in all.
     uint32_t look_count(size_t areas, uint64_t area_stream) const {
-        constexpr double kShare = 0.1;
+        constexpr double kMost = 4, kShare = 0.1;
         const double wanted = kShare * static_cast<double>(transfers.rays) / static_cast<double>(std::max<size_t>(areas, 1));
-        return at_random(std::min(1.0, wanted), area_stream);
+        return at_random(std::min(kMost, wanted), area_stream);
     }
 };
 
