@@ -152,6 +152,7 @@ nb::typed<nb::dict, nb::str, Doubles> areas(BoundSession& self, uint32_t camera,
     add_scalar("albedo", [](const MeasuredArea& a) { return a.albedo; });
     add_scalar("weight", [](const MeasuredArea& a) { return a.at.samples.g; });
     add_scalar("weight.variance", [](const MeasuredArea& a) { return a.at.samples.var_g; });
+    add_scalar("weight.variance.looks", [](const MeasuredArea& a) { return a.at.samples.var_g_of_looks(); });
     add_rgb("moment.fg", [](const MeasuredArea& a) { return a.at.samples.fg; });
     add_scalar("moment.gg", [](const MeasuredArea& a) { return a.at.samples.gg; });
     add_scalar("hits", [](const MeasuredArea& a) { return a.at.samples.hits; });

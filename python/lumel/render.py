@@ -23,7 +23,7 @@ from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, QUALITIES, Settings
 if TYPE_CHECKING:
     from .explanation import Explanation
 
-WORTH_SAYING = 0.1  # share of flagged areas; a few have lobes that reach below the horizon of their triangles
+WORTH_SAYING = 0.02  # share of flagged areas; up to half of it comes by chance
 DIRECT_SAMPLES = 4  # shadow rays a side and replica for the first shot
 
 

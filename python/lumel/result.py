@@ -35,7 +35,7 @@ DIAGNOSTICS: Mapping[str, str] = {
     "weight": "mean of g/p of the specular estimate: 1 where the sampling density covers what the lobe sees",
     "hits": "samples of the specular estimate",
     "correction": "what the estimator added to the mean of f/p, as luminance",
-    "flag": "1 where `weight` is more than 4 standard errors from 1, so that ratios over it are off",
+    "flag": "1 where the density misses more than 2 % of what the lobe sees or `weight` is more than 4 standard errors from 1: ratios are off",
 }
 """Layers that tell how far the specular estimate can be trusted; 0 where nothing glossy is seen directly."""
 

@@ -1,6 +1,9 @@
 // The density is right and covers the target: the mean of g/p is 1 in every area.
 #include <gtest/gtest.h>
 
+#include <map>
+
+#include "lumel/areas/pixels.h"
 #include "runs.h"
 
 using namespace lumel;
@@ -9,14 +12,69 @@ using namespace lumel::test;
 namespace {
 
 constexpr uint32_t kReplicas = 16;
+constexpr Camera kCamera{.origin = {0.5f, 0.1f, 0.8f},
+                         .right = {1, 0, 0},
+                         .up = {0, 0.6f, 0.8f},
+                         .forward = {0, 0.8f, -0.6f},
+                         .tan_x = 0.8f,
+                         .tan_y = 0.6f,
+                         .width = 12,
+                         .height = 9};
 
 /// G of areas over replicas, tested against 1.
 struct Coverage {
-    double pooled = 0;            ///< mean G over all areas by area and albedo
-    double pooled_p = 0;          ///< its p-value
+    double pooled = 0;             ///< mean G over all areas by the light that they could reflect
+    double pooled_p = 0;           ///< its p-value
     std::vector<double> p_values;  ///< of the areas with at least 100 effective hits
     bool is_kept() const { return holm_keeps_all(p_values, 1e-3) && pooled_p >= 1e-3; }
 };
+
+/// Areas of one kind, measured replica by replica.
+template <class Areas>
+class Measured {
+public:
+    /// `weights`: per area, what its G counts in the pooled mean.
+    Measured(Areas areas, std::vector<double> weights) : areas_(std::move(areas)), weights_(std::move(weights)) {}
+
+    void measure(const Step& step) { areas_.measure(step); }
+    void close_replica(double rays) {
+        areas_.close_replica(1, rays);
+        double all = 0, sum = 0;
+        for (uint32_t area = 0; area < weights_.size(); ++area) all += weights_[area], sum += weights_[area] * areas_.samples(0, area).g;
+        // The mean over the replicas so far tells what this one added to it.
+        const double count = static_cast<double>(pooled_.size() + 1);
+        pooled_.push_back(count * sum / all - before_);
+        before_ = count * sum / all;
+    }
+    Coverage coverage() const {
+        Coverage c{.pooled = mean_of(pooled_).value, .pooled_p = mean_of(pooled_).p_value(1), .p_values = {}};
+        for (uint32_t area = 0; area < weights_.size(); ++area) {
+            const Samples s = areas_.samples(0, area);
+            if (weights_[area] > 0 && s.g * s.g >= 100 * s.gg)
+                c.p_values.push_back(Mean{s.g, std::sqrt(s.var_g), static_cast<int>(s.replicas)}.p_value(1));
+        }
+        return c;
+    }
+
+private:
+    Areas areas_;
+    std::vector<double> weights_, pooled_;
+    double before_ = 0;
+};
+
+Measured<PatchAreas> patches_of(const Stage& stage) {
+    PatchAreas areas(stage.scene, {kCamera.origin}, glossy_sides_towards(stage.scene, kCamera.origin, reachable(stage)));
+    std::vector<double> weights;
+    for (uint32_t area = 0; area < areas.size(); ++area) weights.push_back(areas.albedo(0, area) * areas.area(area));
+    return {std::move(areas), std::move(weights)};
+}
+
+Measured<PixelAreas> pixels_of(const Stage& stage) {
+    PixelAreas areas(stage.accel, {kCamera});
+    std::vector<double> weights;
+    for (uint32_t pixel = 0; pixel < kCamera.width * kCamera.height; ++pixel) weights.push_back(areas.albedo(0, pixel));
+    return {std::move(areas), std::move(weights)};
+}
 
 /// Changes the transfers of a step before they are measured.
 using Tamper = std::function<void(const Stage&, std::vector<Transfer>&)>;
@@ -28,38 +86,19 @@ struct CoverageRun {
     Tamper tamper;
 };
 
-/// g of a transfer but for a_bar and the number of rays, from its definition: lum(w_s) / (A p).
-double g_of(const Scene& scene, const Transfer& t, Vec3 eye) {
-    const Surface x(scene, {scene.triangle_of_side(t.side), t.u, t.v}, scene.is_back(t.side));
-    const Frame frame(x.shading);
-    const float cos = dot(x.normal, t.wi);
-    if (!(cos > 0)) return 0;
-    const Rgb w = x.material->scatter_s(frame.to_local(t.wi), frame.to_local(normalize(eye - x.x)));
-    return double{lum(w)} * double{t.inv_pdf} / double{cos} / double{scene.side_area(t.side)};
-}
-
-Coverage coverage(const Stage& stage, Vec3 eye, const CoverageRun& run) {
-    const Scene& scene = stage.scene;
-    const PatchAreas blank(scene, {eye}, glossy_sides_towards(scene, eye, reachable(stage)));
-    std::vector<std::vector<double>> g(blank.size());
-    std::vector<double> sum(blank.size()), squares(blank.size()), pooled;
-    double all = 0;
-    for (uint32_t area = 0; area < blank.size(); ++area) all += blank.albedo(0, area) * double{scene.side_area(blank.sides()[area])};
-
+/// Of every kind of area, by its name.
+std::map<std::string, Coverage> coverage(const Stage& stage, const CoverageRun& run) {
+    Measured<PatchAreas> patches = patches_of(stage);
+    Measured<PixelAreas> pixels = pixels_of(stage);
     for (uint64_t replica = 0; replica < kReplicas; ++replica) {
         // One replica as the solver makes it, its transfers in our hands.
-        PatchAreas areas = blank;
         double rays_measured = 0;
         const Sink sink = [&](const Generation& generation) {
             Transfers transfers = generation.transfers;
             if (run.tamper) run.tamper(stage, transfers.all);
-            areas.measure({.transfers = transfers, .sight = generation.sight});
+            const Step step{.transfers = transfers, .sight = generation.sight};
+            patches.measure(step), pixels.measure(step);
             rays_measured += static_cast<double>(transfers.rays);
-            for (uint32_t area = 0; area < areas.size(); ++area)
-                for (uint32_t i : transfers.group(areas.sides()[area])) {
-                    const double value = g_of(scene, transfers.all[i], eye) * static_cast<double>(transfers.rays);
-                    sum[area] += value, squares[area] += value * value;
-                }
         };
         const Illumination light(stage.accel, stage.defensive, {.first_shot = run.first_shot, .stream = key(60, replica)});
         if (run.transport == Transport::kWalk) {
@@ -69,19 +108,9 @@ Coverage coverage(const Stage& stage, Vec3 eye, const CoverageRun& run) {
             FrozenLight frozen(stage.accel, stage.defensive, light, {30000, 0, key(62, replica)}, rays);
             frozen.step(stage.accel, stage.defensive, light, {120000, run.defensive, key(63, replica)}, sink);
         }
-        areas.close_replica(1, rays_measured);
-        double total = 0;
-        for (uint32_t area = 0; area < areas.size(); ++area) {
-            g[area].push_back(areas.samples(0, area).g);
-            total += g[area].back() * blank.albedo(0, area) * double{scene.side_area(blank.sides()[area])};
-        }
-        pooled.push_back(total / all);
+        patches.close_replica(rays_measured), pixels.close_replica(rays_measured);
     }
-    Coverage result{.pooled = mean_of(pooled).value, .pooled_p = mean_of(pooled).p_value(1), .p_values = {}};
-    for (uint32_t area = 0; area < blank.size(); ++area)
-        if (blank.albedo(0, area) > 0 && sum[area] * sum[area] >= 100 * squares[area])
-            result.p_values.push_back(mean_of(g[area]).p_value(1));
-    return result;
+    return {{"patches", patches.coverage()}, {"pixels", pixels.coverage()}};
 }
 
 void leave_out_cosine(const Stage& stage, std::vector<Transfer>& transfers) {
@@ -94,13 +123,14 @@ void leave_out_cosine(const Stage& stage, std::vector<Transfer>& transfers) {
     }
 }
 
-const Vec3 kEye{0.5f, 0.1f, 0.8f};
-
+/// Walls of which one is black, a glossy floor and box, and a lamp that shines from one side.
 Scene closed_scene() {
     SceneBuilder b;
-    const uint32_t wall = b.material(matt(0.6f)), gloss = b.material(glossy(grey(0.2f), {0.7f, 0.6f, 0.2f}, 0.25f));
+    const uint32_t wall = b.material(matt(0.6f)), black = b.material(matt(0)),
+                   gloss = b.material(glossy(grey(0.2f), {0.7f, 0.6f, 0.2f}, 0.25f));
     b.shape(gloss).face(4, {0, 0, 0}, {1, 1, 1}, true).shape(wall);
-    for (int face : {0, 1, 2, 3, 5}) b.face(face, {0, 0, 0}, {1, 1, 1}, true);
+    for (int face : {0, 1, 2, 5}) b.face(face, {0, 0, 0}, {1, 1, 1}, true);
+    b.shape(black).face(3, {0, 0, 0}, {1, 1, 1}, true);
     b.shape(wall, grey(10)).quad({0.4f, 0.4f, 0.95f}, {0, 0.2f, 0}, {0.2f, 0, 0});
     b.shape(gloss).box({0.3f, 0.5f, 0.1f}, {0.6f, 0.8f, 0.4f}, false);
     return b.build(500);
@@ -116,23 +146,58 @@ Scene open_scene() {
     return b.build(300);
 }
 
+/// Nothing is matt: gloss below and around, a mirror behind that shines a little itself, and a lamp that looks at it.
+Scene specular_scene() {
+    SceneBuilder b;
+    const uint32_t lamp = b.material(matt(0)), gloss = b.material(glossy({}, {0.8f, 0.7f, 0.5f}, 0.3f)), back = b.material(mirror(0.8f));
+    b.shape(gloss);
+    for (int face : {0, 1, 2, 4, 5}) b.face(face, {0, 0, 0}, {1, 1, 1}, true);
+    b.shape(back, grey(0.1f)).face(3, {0, 0, 0}, {1, 1, 1}, true);
+    b.shape(lamp, grey(10)).quad({0.4f, 0.4f, 0.6f}, {0, 0, 0.2f}, {0.2f, 0, 0});
+    b.shape(gloss).sphere({0.35f, 0.6f, 0.25f}, 0.2f, 2, false, true);
+    return b.build(500);
+}
+
 std::string what(const CoverageRun& run) {
     return name_of(run.transport) + (run.first_shot ? ", first shot" : "") + ", defensive " + std::to_string(run.defensive);
+}
+
+/// Half-covered areas are what g over a_bar is for.
+int pixels_half_on_gloss(const Stage& stage) {
+    int count = 0;
+    for (uint32_t pixel = 0; pixel < kCamera.width * kCamera.height; ++pixel) {
+        int gloss = 0;
+        constexpr int kPoints = 64;
+        for (uint32_t i = 0; i < kPoints; ++i) {
+            const Square s = sobol2d(i, 5);
+            const Hit hit = stage.accel.intersect(
+                {kCamera.origin,
+                 kCamera.direction({(static_cast<float>(pixel % kCamera.width) + s.u) / static_cast<float>(kCamera.width),
+                                    (static_cast<float>(pixel / kCamera.width) + s.v) / static_cast<float>(kCamera.height)})});
+            gloss += !hit.is_miss() && stage.scene.material(hit.triangle).is_glossy();
+        }
+        count += gloss > kPoints / 4 && gloss < 3 * kPoints / 4;
+    }
+    return count;
 }
 
 }  // namespace
 
 TEST(Coverage, mean_of_g_over_p_is_one_in_every_area) {
-    for (bool open : {false, true}) {
-        const Stage stage(open ? open_scene() : closed_scene());
-        ASSERT_EQ(stage.defensive.open(), open);
+    const std::map<std::string, Scene (*)()> scenes{{"closed", closed_scene}, {"open", open_scene}, {"specular", specular_scene}};
+    for (const auto& [name, make] : scenes) {
+        const Stage stage(make());
+        ASSERT_EQ(stage.defensive.open(), name == "open");
+        EXPECT_GT(pixels_half_on_gloss(stage), 3) << name;
         for (Transport transport : kTransports)
             for (bool first_shot : {false, true}) {
                 const CoverageRun run{transport, 0.3f, first_shot, {}};
-                const Coverage c = coverage(stage, kEye, run);
-                EXPECT_TRUE(c.is_kept()) << what(run) << (open ? ", open" : ", closed") << ": pooled " << c.pooled << ", p " << c.pooled_p
-                                         << ", least p " << *std::min_element(c.p_values.begin(), c.p_values.end());
-                EXPECT_GT(c.p_values.size(), 20u);
+                for (const auto& [kind, c] : coverage(stage, run)) {
+                    ASSERT_GT(c.p_values.size(), 20u) << what(run) << ", " << name << ", " << kind;
+                    EXPECT_TRUE(c.is_kept()) << what(run) << ", " << name << ", " << kind << ": pooled " << c.pooled << ", p " << c.pooled_p
+                                             << ", least of " << c.p_values.size() << " p "
+                                             << *std::min_element(c.p_values.begin(), c.p_values.end());
+                }
             }
     }
 }
@@ -140,14 +205,15 @@ TEST(Coverage, mean_of_g_over_p_is_one_in_every_area) {
 TEST(Coverage, test_fails_without_the_cosine_at_the_source) {
     const Stage stage(closed_scene());
     for (Transport transport : kTransports)
-        EXPECT_FALSE(coverage(stage, kEye, {transport, 0.3f, true, leave_out_cosine}).is_kept()) << name_of(transport);
+        for (const auto& [kind, c] : coverage(stage, {transport, 0.3f, true, leave_out_cosine}))
+            EXPECT_FALSE(c.is_kept()) << name_of(transport) << ", " << kind;
 }
 
 TEST(Coverage, test_fails_without_the_defensive_part_under_the_sky) {
     const Stage stage(open_scene());
-    for (Transport transport : kTransports) {
-        const Coverage c = coverage(stage, kEye, {transport, 0, true, {}});
-        EXPECT_FALSE(c.is_kept()) << name_of(transport);
-        EXPECT_LT(c.pooled, 0.9) << name_of(transport);
-    }
+    for (Transport transport : kTransports)
+        for (const auto& [kind, c] : coverage(stage, {transport, 0, true, {}})) {
+            EXPECT_FALSE(c.is_kept()) << name_of(transport) << ", " << kind;
+            EXPECT_LT(c.pooled, 0.9) << name_of(transport) << ", " << kind;
+        }
 }

@@ -42,24 +42,40 @@ void expect_same_colour(Rgb64 value, Rgb truth, double relative, const std::stri
     EXPECT_NEAR(value.z, truth.z, relative * double{truth.z}) << what;
 }
 
+/// One step from surfaces that all send the radiance L0, whatever the direction: diffuse flux of pi L0 A on every front; records do so
+/// where a lobe sends it.
+class HomogeneousStep {
+public:
+    HomogeneousStep(const Scene& scene, const Accel& accel, Rgb radiance, const ShootConfig& config)
+        : emitters_(scene), defensive_(all_fronts(scene)), shot_(accel, lit(scene, radiance), defensive_, config) {
+        shoot(shot_, transfers_);
+    }
+    Step step() const { return {.transfers = transfers_, .sight = shot_}; }
+    double rays() const { return static_cast<double>(transfers_.rays); }
+
+private:
+    const Emitters& lit(const Scene& scene, Rgb radiance) {
+        for (uint32_t side = 0; side < scene.patches(); ++side) emitters_.diffuse[side] = radiance * (kPi * scene.side_area(side));
+        return emitters_;
+    }
+    Emitters emitters_;
+    DefensiveStarts defensive_;
+    Transfers transfers_;
+    Shot shot_;
+};
+
 }  // namespace
 
 TEST(Homogeneous, one_step_is_exact_after_one_hit) {
     const Scene scene = homogeneous_scene().build(800);
     const Accel accel(scene);
-    const DefensiveStarts defensive = all_fronts(scene);
     const Vec3 eye{0.5f, 0.1f, 0.9f};
-    // Diffuse flux of pi L0 A on every front makes the radiance L0 everywhere; records do so where a lobe sends it.
-    Emitters emitters(scene);
-    for (uint32_t side = 0; side < scene.patches(); ++side) emitters.diffuse[side] = kLight * (kPi * scene.side_area(side));
     for (float share : {0.0f, 0.3f, 1.0f})
         for (uint64_t rays : {500u, 20000u}) {
             PatchAreas areas(scene, {eye}, glossy_sides_towards(scene, eye, fronts()));
-            Transfers transfers;
-            const Shot shot(accel, emitters, defensive, {rays, share, 7});
-            shoot(shot, transfers);
-            areas.measure({.transfers = transfers, .sight = shot});
-            areas.close_replica(1, static_cast<double>(transfers.rays));
+            const HomogeneousStep one(scene, accel, kLight, {rays, share, 7});
+            areas.measure(one.step());
+            areas.close_replica(1, one.rays());
             int hit = 0;
             for (uint32_t area = 0; area < areas.size(); ++area) {
                 const Samples samples = areas.samples(0, area);
@@ -67,6 +83,37 @@ TEST(Homogeneous, one_step_is_exact_after_one_hit) {
                 ++hit;
                 expect_same_colour(find_estimator("weighted")->estimate(samples).value, kLight * tinted(scene, areas, area), 1e-5,
                                    "share " + std::to_string(share));
+            }
+            EXPECT_GT(hit, 10);
+        }
+}
+
+TEST(Homogeneous, one_step_is_exact_after_one_hit_of_a_pixel) {
+    // Pixels half on one tint and half on another have no colour of their own, but a luminance: white light shows it.
+    constexpr float kWhite = 2;
+    const Scene scene = homogeneous_scene().build(800);
+    const Accel accel(scene);
+    const Camera camera{.origin = {0.5f, 0.1f, 0.9f},
+                        .right = {1, 0, 0},
+                        .up = {0, 0.6f, 0.8f},
+                        .forward = {0, 0.8f, -0.6f},
+                        .tan_x = 0.6f,
+                        .tan_y = 0.5f,
+                        .width = 24,
+                        .height = 20};
+    for (float share : {0.0f, 0.3f, 1.0f})
+        for (uint64_t rays : {5000u, 100000u}) {
+            PixelAreas areas(accel, {camera});
+            const HomogeneousStep one(scene, accel, grey(kWhite), {rays, share, 7});
+            areas.measure(one.step());
+            areas.close_replica(1, one.rays());
+            int hit = 0;
+            for (uint32_t pixel = 0; pixel < camera.width * camera.height; ++pixel) {
+                const Samples samples = areas.samples(0, pixel);
+                if (!(samples.g > 0)) continue;
+                ++hit;
+                const double truth = double{kWhite} * areas.albedo(0, pixel);
+                EXPECT_NEAR(lum(find_estimator("weighted")->estimate(samples).value), truth, 1e-5 * truth) << "share " << share;
             }
             EXPECT_GT(hit, 10);
         }

@@ -30,8 +30,10 @@ public:
     }
     void see(const Sight& sight) { sight.see(std::span(looks_).first(size_), std::span(seen_).first(size_)); }
 
-    /// Whether the step could send a transfer along a look.
-    bool is_covered(uint32_t look) const { return seen_[look].density > 0; }
+    /// What a transfer of the step along a look would add to G; infinite where none can come.
+    double size_of_transfer(uint32_t look) const {
+        return double{lum(drawn_[look].scatter)} / (double{seen_[look].density} * double{drawn_[look].cos_per_density});
+    }
     /// Hand f/q and g/q of every look to `add`, with q = n_s p + n_g p_g for `gather` = n_g looks in all.
     template <class Add>
     void samples(double gather, Add&& add) const {

@@ -15,6 +15,13 @@ void Tally::close_replica(double weight, double rays) {
         current_[i] = {};
     }
     ++replicas_;
+    rays_ += rays;
+}
+
+void Tally::merge(const Tally& other) {
+    for (size_t i = 0; i < current_.size(); ++i) current_[i] += other.current_[i], closed_[i] += other.closed_[i];
+    replicas_ += other.replicas_;
+    rays_ += other.rays_;
 }
 
 Samples Tally::samples(size_t area) const {
@@ -28,7 +35,8 @@ Samples Tally::samples(size_t area) const {
               .hits = m.hits,
               .replicas = replicas_,
               .looks = m.looks,
-              .looks_uncovered = m.looks_uncovered};
+              .looks_uncovered = m.looks_uncovered,
+              .looks_size = rays_ > 0 ? m.looks_size / rays_ : 0};
     if (replicas_ < 2) return s;
     const double scale = 1 / (r * (r - 1));
     s.var_f = (m.ff - m.f * m.f * (1 / r)) * scale;
@@ -42,7 +50,7 @@ Samples scaled(const Samples& u, double f, double g) {
     Samples s = u;
     s.f = u.f * f, s.g = u.g * g, s.plain = u.plain * f;
     s.var_f = u.var_f * (f * f), s.cov_fg = u.cov_fg * (f * g), s.var_plain = u.var_plain * (f * f), s.var_g = u.var_g * (g * g);
-    s.fg = u.fg * (f * g), s.gg = u.gg * (g * g);
+    s.fg = u.fg * (f * g), s.gg = u.gg * (g * g), s.looks_size = u.looks_size * g;
     return s;
 }
 
@@ -50,7 +58,7 @@ Samples pooled(const Samples& a, const Samples& b) {
     Samples s = a;
     s.f += b.f, s.plain += b.plain, s.g += b.g, s.hits += b.hits, s.fg += b.fg, s.gg += b.gg;
     s.replicas = std::max(a.replicas, b.replicas);
-    s.looks += b.looks, s.looks_uncovered += b.looks_uncovered;
+    s.looks += b.looks, s.looks_uncovered += b.looks_uncovered, s.looks_size += b.looks_size;
     s.var_f += b.var_f, s.cov_fg += b.cov_fg, s.var_plain += b.var_plain, s.var_g += b.var_g;
     return s;
 }

@@ -25,11 +25,11 @@ struct Step {
 
     /// Rays that an area gathers in this step.
     uint32_t gather_count(uint64_t area_stream) const { return at_random(gather, area_stream); }
-    /// Looks that only tell what the density covers, where nothing is gathered: they cost up to a tenth of the step's rays in all.
+    /// Looks that only tell what the density covers, where nothing is gathered: a few, that cost up to a tenth of the step's rays in all.
     uint32_t look_count(size_t areas, uint64_t area_stream) const {
-        constexpr double kShare = 0.1;
+        constexpr double kMost = 4, kShare = 0.1;
         const double wanted = kShare * static_cast<double>(transfers.rays) / static_cast<double>(std::max<size_t>(areas, 1));
-        return at_random(std::min(1.0, wanted), area_stream);
+        return at_random(std::min(kMost, wanted), area_stream);
     }
 };
 
@@ -53,13 +53,17 @@ public:
         current_[area].plain += f * step.weight;
         ++current_[area].hits;
     }
-    /// Count a look along the lobe of an area, and whether the step could send a transfer that way.
-    void add_look(size_t area, const Step& step, bool covered) {
+    /// Count a look along the lobe of an area; `size` is what a transfer along it would add to its density, infinite where none can come.
+    void add_look(size_t area, const Step& step, double size) {
         const auto rays = static_cast<double>(step.transfers.rays);
-        closed_[area].looks += rays, closed_[area].looks_uncovered += covered ? 0 : rays;
+        Moments& m = closed_[area];
+        m.looks += rays;
+        (std::isfinite(size) ? m.looks_size : m.looks_uncovered) += std::isfinite(size) ? rays * size * rays : rays;
     }
     /// End a replica: `weight` is the sum of the weights of its light, `rays` the sum of the rays of its steps.
     void close_replica(double weight, double rays);
+    /// Add the sums of `other`, over the same areas: its closed replicas to those here, its replica under way to the one here.
+    void merge(const Tally& other);
     /// Means over replicas, with the covariances of these means.
     Samples samples(size_t area) const;
 
@@ -68,15 +72,29 @@ private:
         Rgb64 f, plain, fg;
         double g = 0, gg = 0;
         uint64_t hits = 0;
+
+        Sums& operator+=(const Sums& o) {
+            f += o.f, plain += o.plain, fg += o.fg, g += o.g, gg += o.gg, hits += o.hits;
+            return *this;
+        }
     };
     struct Moments {
         Rgb64 f, plain, ff, fg, plain2, single_fg;
-        double g = 0, gg = 0, single_gg = 0, looks = 0, looks_uncovered = 0;
+        double g = 0, gg = 0, single_gg = 0, looks = 0, looks_uncovered = 0, looks_size = 0;
         uint64_t hits = 0;
+
+        Moments& operator+=(const Moments& o) {
+            f += o.f, plain += o.plain, ff += o.ff, fg += o.fg, plain2 += o.plain2, single_fg += o.single_fg;
+            g += o.g, gg += o.gg, single_gg += o.single_gg, looks += o.looks, looks_uncovered += o.looks_uncovered,
+                looks_size += o.looks_size;
+            hits += o.hits;
+            return *this;
+        }
     };
     std::vector<Sums> current_;
     std::vector<Moments> closed_;
     uint32_t replicas_ = 0;
+    double rays_ = 0;  // of all closed replicas
 };
 
 /// Multiply the light of samples by `f` and their density by `g`.

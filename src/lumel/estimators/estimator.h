@@ -21,9 +21,12 @@ struct Samples {
     uint64_t hits = 0;  ///< samples that are not 0
     uint32_t replicas = 0;  ///< that the means and their covariances are made of
     double looks = 0, looks_uncovered = 0;  ///< looks along the lobe, and those of them that no transfer could have come along
+    double looks_size = 0;                  ///< sum over the others of what a transfer along them would have added to G
 
     /// Share of the target density that p does not cover, as far as looks tell, 0..1.
     double uncovered() const { return looks > 0 ? looks_uncovered / looks : 0; }
+    /// Variance that G has if p covers g, as far as looks tell: the integral of g^2/(n p) is the mean of g/(n p) over directions by g.
+    double var_g_of_looks() const { return looks > looks_uncovered ? looks_size / (looks - looks_uncovered) : 0; }
 };
 
 struct Estimate {

@@ -40,6 +40,8 @@ struct Material {
 
     /// Probability that a path which meets the surface is continued by the mirror, and not by what else the surface does.
     float mirror_choice() const;
+    /// Whether all light that it scatters goes by the mirror.
+    bool is_perfect_mirror() const { return mirror_choice() >= 1; }
 
     /// Integrate the lobe for the table of `albedo_s`. Call once after the fields are set.
     void tabulate();

@@ -10,7 +10,7 @@ namespace lumel {
 /// Where defensive rays start: every side that light can reach, lit or not, and a sphere around an open scene (design: weighted
 /// sampling needs p > 0 wherever the target density is). Directions are cosine-weighted, so n p_y / cos(theta_y) = n / (pi area).
 struct DefensiveStarts {
-    Distribution by_area;      ///< over sides; 0 where no light can come
+    Distribution by_area;      ///< over sides; 0 where no light can come, and on perfect mirrors
     double sphere_area = 0;    ///< m2; 0 in a closed scene
     double area() const { return by_area.total() + sphere_area; }
     bool open() const { return sphere_area > 0; }

@@ -46,7 +46,7 @@ Seen Shot::see(Ray ray) const {
         const Vec3 w = -ray.direction;
 
         // A perfect mirror sends the look on; étendue is conserved, and roulette on its tint multiplies the density.
-        if (y.scatters && y.material->mirror_choice() >= 1) {
+        if (y.scatters && y.material->is_perfect_mirror()) {
             const float cos = dot(y.shading, w);
             const Vec3 out = reflect(w, y.shading);
             if (!(cos > 0) || !(dot(out, y.normal) > 0)) return {};
