@@ -7,25 +7,33 @@
 
 namespace lumel {
 
-/// Light along the direction of the window and against it, each as red, green, blue and a count: what is sent counts 1, so that what is
-/// received counts the pixels.
+/// Light along the direction of the window and against it.
 struct alignas(64) PatchLight {
+    /// Colour and a count: what is sent counts 1, so that what is received counts the pixels that it came over.
     struct alignas(16) Flow {
-        float red = 0, green = 0, blue = 0, count = 1;
+        float red = 0, green = 0, blue = 0, count = 0;
+
+        Flow() = default;
+        Flow(Rgb colour, float n) : red(colour.x), green(colour.y), blue(colour.z), count(n) {}
+        Rgb colour() const { return {red, green, blue}; }
+
+        /// Add `times` the `other`.
+        void add(const Flow& other, __m128 times) {
+            _mm_store_ps(&red, _mm_add_ps(_mm_load_ps(&red), _mm_mul_ps(_mm_load_ps(&other.red), times)));
+        }
     };
-    Flow sent_along, sent_against;
-    Flow received_along{0, 0, 0, 0}, received_against{0, 0, 0, 0};  ///< by the side that faces along, by the one that faces against
+    Flow sent_along, sent_against;          ///< by the side that faces along the direction, by the one that faces against it
+    Flow received_along, received_against;  ///< the same
 
     PatchLight() = default;
-    PatchLight(Rgb along, Rgb against) : sent_along{along.x, along.y, along.z, 1}, sent_against{against.x, against.y, against.z, 1} {}
-
-    /// Receive over `width` pixels what `before` sends along the direction and `behind` against it.
-    void receive(const PatchLight& before, const PatchLight& behind, __m256 width) {
-        const __m256 arriving = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&behind.sent_against.red)),
-                                                     _mm_load_ps(&before.sent_along.red), 1);
-        float* received = &received_along.red;
-        _mm256_store_ps(received, _mm256_add_ps(_mm256_load_ps(received), _mm256_mul_ps(arriving, width)));
-    }
+    PatchLight(Rgb along, Rgb against) : sent_along(along, 1), sent_against(against, 1) {}
 };
+
+/// Two neighbours see each other over `pixels` pixels: `far` lies behind `near`.
+inline void exchange(PatchLight& near, PatchLight& far, uint32_t pixels) {
+    const __m128 times = _mm_set1_ps(static_cast<float>(static_cast<int32_t>(pixels)));
+    near.received_along.add(far.sent_against, times);
+    far.received_against.add(near.sent_along, times);
+}
 
 }  // namespace lumel

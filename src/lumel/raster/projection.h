@@ -33,7 +33,7 @@ public:
     DepthPlane(SnappedVertex a, SnappedVertex b, SnappedVertex c, int64_t twice_area);
 
     /// Depth at a pixel, a whole number.
-    double at(int32_t x, int32_t y) const {
+    double at(double x, double y) const {
         const double d = depth_ + slope_x_ * (x - x_) + slope_y_ * (y - y_);
         return std::floor(std::min(std::max(d, lowest_), highest_));
     }

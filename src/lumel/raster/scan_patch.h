@@ -1,6 +1,8 @@
 // A patch on its way through the rows of a window.
 #pragma once
 
+#include <immintrin.h>
+
 #include "lumel/raster/patch_outline.h"
 
 namespace lumel {
@@ -28,12 +30,20 @@ public:
     static int32_t first_row(double y, double pixel) { return static_cast<int32_t>(std::ceil(y / pixel)); }
 
     uint32_t patch() const { return patch_; }
-    const DepthPlane& plane() const { return plane_; }
-    int32_t row() const { return row_; }
     bool is_done() const { return row_ >= end_row_; }
-    /// First pixel of the row, and the one after the last.
-    int32_t begin() const { return static_cast<int32_t>(std::ceil(numerator_[0] / denominator_[0])); }
-    int32_t end() const { return static_cast<int32_t>(std::ceil(numerator_[1] / denominator_[1])); }
+
+    /// Pixels of the present row: from `begin` to before `end`; `depth` is that of the first one.
+    struct Row {
+        int32_t begin = 0, end = 0;
+        double depth = 0;
+    };
+    Row row() const {
+        const __m128d crossings = _mm_ceil_pd(_mm_div_pd(_mm_load_pd(numerator_), _mm_load_pd(denominator_)));
+        const __m128i pixels = _mm_cvttpd_epi32(crossings);
+        return {_mm_cvtsi128_si32(pixels), _mm_extract_epi32(pixels, 1), plane_.at(_mm_cvtsd_f64(crossings), row_)};
+    }
+    /// What the depth grows by from pixel to pixel.
+    double step() const { return plane_.step(); }
     void next_row() {
         ++row_;
         numerator_[0] += growth_[0], numerator_[1] += growth_[1];
@@ -55,7 +65,8 @@ private:
         numerator_[side] = edge.numerator, growth_[side] = edge.growth, denominator_[side] = edge.denominator;
     }
 
-    double numerator_[2], growth_[2], denominator_[2];  // of the left edge, of the right one
+    alignas(16) double numerator_[2];  // of the left edge, of the right one
+    alignas(16) double growth_[2], denominator_[2];
     Edge upper_;
     DepthPlane plane_;
     int32_t row_ = 0, middle_row_ = 0, end_row_ = 0;

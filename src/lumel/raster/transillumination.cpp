@@ -8,36 +8,30 @@ void Transillumination::exchange(const Window& window, std::span<const Rgb> sent
     project(scene, window, vertices_);
     prepare(window, sent);
 
-    SweepCounters swept;
-    swept.directions = 1;
-    row_.resize(window.resolution);
     active_.clear();
     for (uint32_t y = 0; y < window.resolution; ++y) {
         for (uint32_t i = first_of_row_[y]; i < first_of_row_[y + 1]; ++i) active_.push_back(scan_patch(by_row_[i]));
+        sweep_.begin_row(active_.size());
         for (size_t i = 0; i < active_.size();) {
             ScanPatch& patch = active_[i];
-            const int32_t begin = patch.begin(), end = patch.end();
-            if (begin < end) {
-                const double step = end - begin > 1 ? patch.plane().step() : 0;
-                row_.add(begin, {patch.plane().at(begin, static_cast<int32_t>(y)) - step * begin, step, static_cast<uint32_t>(end),
-                                 patch.patch(), 0, facing_[patch.patch()]});
-            }
+            const auto [begin, end, depth] = patch.row();
+            if (begin < end) sweep_.add(begin, end, depth, end - begin > 1 ? patch.step() : 0, patch.patch(), facing_[patch.patch()]);
             patch.next_row();
             if (patch.is_done())
                 patch = active_.back(), active_.pop_back();
             else
                 ++i;
         }
-        row_.run(lights_, swept);
+        sweep_.run();
     }
-    swept.pairs = swept.fragments - swept.lines;
-    counters += swept;
+    ++counters.directions;
+    sweep_.count(counters);
     for (uint32_t patch = 0; patch < scene.patches(); ++patch) {
-        const PatchLight& light = lights_[patch];
+        const PatchLight& light = sweep_.light(patch);
         const uint32_t along = patch + (front_along_[patch] ? 0 : scene.patches()),
                        against = patch + (front_along_[patch] ? scene.patches() : 0);
-        received[along] += Rgb{light.received_along.red, light.received_along.green, light.received_along.blue};
-        received[against] += Rgb{light.received_against.red, light.received_against.green, light.received_against.blue};
+        received[along] += light.received_along.colour();
+        received[against] += light.received_against.colour();
         pixels[patch] += static_cast<uint32_t>(light.received_along.count);
     }
 }
@@ -55,7 +49,8 @@ ScanPatch Transillumination::scan_patch(uint32_t patch) const {
 void Transillumination::prepare(const Window& window, std::span<const Rgb> sent) {
     const Scene& scene = scene_->scene();
     const uint32_t patches = scene.patches();
-    lights_.resize(patches), first_row_.resize(patches), by_row_.resize(patches), front_along_.resize(patches), facing_.resize(patches);
+    sweep_.resize(window.resolution, patches);
+    first_row_.resize(patches), by_row_.resize(patches), front_along_.resize(patches), facing_.resize(patches);
     first_of_row_.assign(window.resolution + 2, 0);
     for (uint32_t t = 0; t < scene.triangles(); ++t) {
         const Indices& i = scene.indices()[t];
@@ -73,9 +68,9 @@ void Transillumination::prepare(const Window& window, std::span<const Rgb> sent)
             first_row_[patch] = row;
             ++first_of_row_[row + 1];
             const uint32_t surface = scene_->closed_surface(t);
-            facing_[patch] = surface == RasterScene::kOpen ? patch * 4 + 1 : surface * 4 + (front ? 2 : 0);
+            facing_[patch] = surface == RasterScene::kOpen ? RowSpan::open_parity(patch) : RowSpan::closed_parity(surface, front);
             front_along_[patch] = front;
-            lights_[patch] = front ? PatchLight(sent[patch], sent[patch + patches]) : PatchLight(sent[patch + patches], sent[patch]);
+            sweep_.light(patch) = front ? PatchLight(sent[patch], sent[patch + patches]) : PatchLight(sent[patch + patches], sent[patch]);
         }
     }
     for (uint32_t y = 0; y <= window.resolution; ++y) first_of_row_[y + 1] += first_of_row_[y];

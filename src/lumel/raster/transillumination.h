@@ -33,11 +33,10 @@ private:
     ScanPatch scan_patch(uint32_t patch) const;
 
     std::vector<SnappedVertex> vertices_;
-    std::vector<PatchLight> lights_;
     std::vector<uint32_t> first_row_, by_row_, first_of_row_, facing_;
     std::vector<uint8_t> front_along_;
     std::vector<ScanPatch> active_;
-    RowSweep row_;
+    RowSweep sweep_;
 };
 
 }  // namespace lumel
