@@ -6,8 +6,8 @@
 namespace lumel {
 
 void RowSweep::resize(uint32_t width, uint32_t patches) {
-    for (auto* bits : {&begins_, &ends_, &crossings_}) bits->assign(width / 64 + 1, 0);
-    first_begin_.resize(width + 1), first_end_.resize(width + 1);
+    events_.assign(width / 64 + 1, 0), crossings_.assign(width / 64 + 1, 0);
+    first_begin_.assign(width + 1, kNone), first_end_.assign(width + 1, kNone);
     lights_.resize(size_t{patches} + 2);
 
     // Nothing sends nothing. It counts the lines: what it receives from behind is sent by the last patch of each, if there is one.
@@ -44,6 +44,7 @@ void RowSweep::expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t
         else
             x = middle + 1;
     }
+    events_[last / 64] |= uint64_t{1} << last % 64;
     crossings_[last / 64] |= uint64_t{1} << last % 64;
 }
 
@@ -107,17 +108,15 @@ void RowSweep::run() {
     spans_[kFront].since = 0;
     last_ = kFront;
     uint32_t before = 0;
-    for (size_t word = 0; word < begins_.size(); ++word) {
-        while (const uint64_t events = begins_[word] | ends_[word] | crossings_[word]) {
-            const auto bit = static_cast<uint32_t>(std::countr_zero(events));
-            const auto x = static_cast<uint32_t>(word) * 64 + bit;
-            const uint64_t mask = uint64_t{1} << bit;
+    for (size_t word = 0; word < events_.size(); ++word) {
+        while (const uint64_t events = events_[word]) {
+            const auto x = static_cast<uint32_t>(word) * 64 + static_cast<uint32_t>(std::countr_zero(events));
             if ((balance_ | unturned_) != 0) counters_.parity_violations += x - before;
             before = x;
-            change(x, ends_[word] & mask ? first_end_[x] : kNone, begins_[word] & mask ? first_begin_[x] : kNone);
-            begins_[word] &= ~mask, ends_[word] &= ~mask;
-            if (crossings_[word] & mask) sort(x);
-            crossings_[word] &= ~mask;
+            change(x, std::exchange(first_end_[x], kNone), std::exchange(first_begin_[x], kNone));
+            const uint64_t bit = events & -events;
+            if (crossings_[word] & bit) sort(x);
+            events_[word] &= ~bit, crossings_[word] &= ~bit;
         }
     }
     // What nothing received leaves the scene.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "lumel/raster/patch_light.h"
@@ -47,12 +48,12 @@ public:
         if (spans_.size() < spans + 2) spans_.resize(spans + 2);
         size_ = 2;
     }
-    /// Take the span from pixel `begin` to before `end`; `depth` is that of its first pixel.
-    void add(uint32_t begin, uint32_t end, double depth, double step, uint32_t patch, uint32_t parity) {
+    /// Take the span from pixel `begin` to before `end`.
+    void add(uint32_t begin, uint32_t end, double depth_at_0, double step, uint32_t patch, uint32_t parity) {
         RowSpan& span = spans_[size_];
-        span.depth_at_0 = depth - step * static_cast<int32_t>(begin), span.step = step;
+        span.depth_at_0 = depth_at_0, span.step = step;
         span.end = end, span.patch = patch, span.parity = parity;
-        span.also_begins = chain(begins_, first_begin_, begin), span.also_ends = chain(ends_, first_end_, end);
+        span.also_begins = chain(first_begin_, begin), span.also_ends = chain(first_end_, end);
         fragments_ += end - begin;
         ++size_;
     }
@@ -66,12 +67,9 @@ private:
     static constexpr uint32_t kNone = 0xffffffffu;
 
     /// Put the new span at the head of the list of pixel `x`; gives the one that was there.
-    uint32_t chain(std::vector<uint64_t>& heads, std::vector<uint32_t>& first, uint32_t x) {
-        const uint64_t bit = uint64_t{1} << x % 64;
-        const uint32_t before = heads[x / 64] & bit ? first[x] : kNone;
-        heads[x / 64] |= bit;
-        first[x] = size_;
-        return before;
+    uint32_t chain(std::vector<uint32_t>& first, uint32_t x) {
+        events_[x / 64] |= uint64_t{1} << x % 64;
+        return std::exchange(first[x], size_);
     }
     void change(uint32_t x, uint32_t ending, uint32_t beginning);
     void replace(uint32_t ending, uint32_t beginning, uint32_t x);
@@ -83,8 +81,8 @@ private:
     void expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t x, uint32_t last);
 
     std::vector<PatchLight> lights_;                  // and those of kFront and kBehind
-    std::vector<uint64_t> begins_, ends_, crossings_;  // one bit a pixel
-    std::vector<uint32_t> first_begin_, first_end_;   // of each pixel, where its bit is set
+    std::vector<uint64_t> events_, crossings_;        // one bit a pixel: something changes there; neighbours change places
+    std::vector<uint32_t> first_begin_, first_end_;   // span that begins or ends at a pixel, or kNone
     std::vector<RowSpan> spans_;
     std::vector<uint32_t> order_;
     uint32_t size_ = 0;                               // of spans_, those in use

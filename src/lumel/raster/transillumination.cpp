@@ -4,78 +4,107 @@ namespace lumel {
 
 void Transillumination::exchange(const Window& window, std::span<const Rgb> sent, std::span<Rgb> received, std::span<uint32_t> pixels,
                                  SweepCounters& counters) {
-    const Scene& scene = scene_->scene();
-    project(scene, window, vertices_);
     prepare(window, sent);
-
     active_.clear();
-    for (uint32_t y = 0; y < window.resolution; ++y) {
-        for (uint32_t i = first_of_row_[y]; i < first_of_row_[y + 1]; ++i) active_.push_back(scan_patch(by_row_[i]));
-        sweep_.begin_row(active_.size());
-        for (size_t i = 0; i < active_.size();) {
-            ScanPatch& patch = active_[i];
-            const auto [begin, end, depth] = patch.row();
-            if (begin < end) sweep_.add(begin, end, depth, end - begin > 1 ? patch.step() : 0, patch.patch(), facing_[patch.patch()]);
-            patch.next_row();
-            if (patch.is_done())
-                patch = active_.back(), active_.pop_back();
-            else
-                ++i;
-        }
+    for (uint32_t row = 0; row < window.resolution; ++row) {
+        begin_patches(row);
+        active_.scan(static_cast<int32_t>(row), sweep_);
         sweep_.run();
     }
     ++counters.directions;
     sweep_.count(counters);
-    for (uint32_t patch = 0; patch < scene.patches(); ++patch) {
-        const PatchLight& light = sweep_.light(patch);
-        const uint32_t along = patch + (front_along_[patch] ? 0 : scene.patches()),
-                       against = patch + (front_along_[patch] ? scene.patches() : 0);
-        received[along] += light.received_along.colour();
-        received[against] += light.received_against.colour();
-        pixels[patch] += static_cast<uint32_t>(light.received_along.count);
-    }
-}
-
-ScanPatch Transillumination::scan_patch(uint32_t patch) const {
-    const Scene& scene = scene_->scene();
-    const uint32_t t = scene.triangle_of_patch(patch);
-    const Indices& i = scene.indices()[t];
-    const std::array corners{vertices_[i[0]], vertices_[i[1]], vertices_[i[2]]};
-    const uint32_t n = scene.divisions(t);
-    return {PatchOutline(corners, n, PatchPlace::of_index(n, patch - scene.first_patch(t))),
-            DepthPlane(corners[0], corners[1], corners[2], turn(corners[0], corners[1], corners[2])), patch};
+    collect(received, pixels);
 }
 
 void Transillumination::prepare(const Window& window, std::span<const Rgb> sent) {
     const Scene& scene = scene_->scene();
     const uint32_t patches = scene.patches();
+    project(scene, window, vertices_);
     sweep_.resize(window.resolution, patches);
-    first_row_.resize(patches), by_row_.resize(patches), front_along_.resize(patches), facing_.resize(patches);
+    turns_.resize(scene.triangles()), first_row_.resize(patches), by_row_.resize(patches);
+
+    // Sort the patches by their first rows.
     first_of_row_.assign(window.resolution + 2, 0);
     for (uint32_t t = 0; t < scene.triangles(); ++t) {
-        const Indices& i = scene.indices()[t];
-        const std::array corners{vertices_[i[0]], vertices_[i[1]], vertices_[i[2]]};
-        const int64_t twice_area = turn(corners[0], corners[1], corners[2]);
-        const uint32_t n = scene.divisions(t), first = scene.first_patch(t);
-        const bool front = twice_area > 0;
-        for (uint32_t k = 0; k < n * n; ++k) {
-            const uint32_t patch = first + k;
-            const PatchOutline outline(corners, n, PatchPlace::of_index(n, k));
-            const auto [low, high] = std::minmax({outline.corners[0].y, outline.corners[1].y, outline.corners[2].y});
-            const int32_t begin = ScanPatch::first_row(low, outline.pixel()), end = ScanPatch::first_row(high, outline.pixel());
-            const bool empty = twice_area == 0 || begin == end;
-            const uint32_t row = empty ? window.resolution : static_cast<uint32_t>(begin);
-            first_row_[patch] = row;
-            ++first_of_row_[row + 1];
-            const uint32_t surface = scene_->closed_surface(t);
-            facing_[patch] = surface == RasterScene::kOpen ? RowSpan::open_parity(patch) : RowSpan::closed_parity(surface, front);
-            front_along_[patch] = front;
-            sweep_.light(patch) = front ? PatchLight(sent[patch], sent[patch + patches]) : PatchLight(sent[patch + patches], sent[patch]);
+        const std::array c = corners(t);
+        turns_[t] = turn(c[0], c[1], c[2]);
+        const uint32_t first = scene.first_patch(t), n = scene.divisions(t), along = turns_[t] > 0 ? 0 : patches, against = patches - along;
+        enqueue(t, c);
+        for (uint32_t patch = first; patch < first + n * n; ++patch) {
+            ++first_of_row_[first_row_[patch] + 1];
+            sweep_.light(patch) = PatchLight(sent[patch + along], sent[patch + against]);
         }
     }
-    for (uint32_t y = 0; y <= window.resolution; ++y) first_of_row_[y + 1] += first_of_row_[y];
-    std::vector<uint32_t> next(first_of_row_.begin(), first_of_row_.end());
-    for (uint32_t patch = 0; patch < patches; ++patch) by_row_[next[first_row_[patch]]++] = patch;
+    for (uint32_t row = 0; row <= window.resolution; ++row) first_of_row_[row + 1] += first_of_row_[row];
+    for (uint32_t patch = 0; patch < patches; ++patch) by_row_[first_of_row_[first_row_[patch]]++] = patch;
+    for (uint32_t row = window.resolution + 1; row > 0; --row) first_of_row_[row] = first_of_row_[row - 1];
+    first_of_row_[0] = 0;
+}
+
+/// Find the first rows of the patches of a triangle.
+void Transillumination::enqueue(uint32_t triangle, const std::array<SnappedVertex, 3>& corners) {
+    const Scene& scene = scene_->scene();
+    const auto none = static_cast<uint32_t>(first_of_row_.size() - 2);
+    uint32_t* first = &first_row_[scene.first_patch(triangle)];
+    const uint32_t n = scene.divisions(triangle);
+    const auto put = [&](int32_t a, int32_t b, int32_t c) {
+        const int32_t begin = std::min({a, b, c}), end = std::max({a, b, c});
+        *first++ = begin < end && turns_[triangle] != 0 ? static_cast<uint32_t>(begin) : none;
+    };
+    const auto [a, b, c] = corners;
+    if (n == 1) {
+        const auto row = [](int32_t y) { return static_cast<int32_t>((y + kSubpixels - 1) >> kSubpixelBits); };
+        put(row(a.y), row(b.y), row(c.y));
+        return;
+    }
+
+    // Patches lie between two rows of lattice points.
+    lattice_rows_.resize(2 * (n + 1));
+    int32_t *here = lattice_rows_.data(), *next = here + n + 1;
+    const double pixel = static_cast<double>(n * kSubpixels);
+    const auto find_rows = [&](int32_t* rows, uint32_t j) {
+        const double y = static_cast<double>(n - j) * a.y + static_cast<double>(j) * c.y;
+        for (uint32_t i = 0; i + j <= n; ++i) rows[i] = first_row(y + static_cast<double>(i) * (b.y - a.y), pixel);
+    };
+    find_rows(here, 0);
+    for (uint32_t j = 0; j < n; ++j) {
+        find_rows(next, j + 1);
+        for (uint32_t i = 0; i + j < n; ++i) {
+            put(here[i], here[i + 1], next[i]);
+            if (i + j + 1 < n) put(next[i + 1], next[i], here[i + 1]);
+        }
+        std::swap(here, next);
+    }
+}
+
+void Transillumination::begin_patches(uint32_t row) {
+    const Scene& scene = scene_->scene();
+    uint32_t triangle = scene.triangles(), parity = 0;
+    std::array<SnappedVertex, 3> c;
+    DepthPlane plane;
+    for (uint32_t i = first_of_row_[row]; i < first_of_row_[row + 1]; ++i) {
+        const uint32_t patch = by_row_[i];
+        if (scene.triangle_of_patch(patch) != triangle) {
+            triangle = scene.triangle_of_patch(patch);
+            c = corners(triangle);
+            plane = DepthPlane(c[0], c[1], c[2], turns_[triangle]);
+        }
+        const uint32_t surface = scene_->closed_surface(triangle);
+        parity = surface == RasterScene::kOpen ? RowSpan::open_parity(patch) : RowSpan::closed_parity(surface, turns_[triangle] > 0);
+        active_.push(PatchOutline(c, scene.divisions(triangle), patch - scene.first_patch(triangle)), plane, patch, parity);
+    }
+}
+
+void Transillumination::collect(std::span<Rgb> received, std::span<uint32_t> pixels) {
+    const Scene& scene = scene_->scene();
+    const uint32_t patches = scene.patches();
+    for (uint32_t patch = 0; patch < patches; ++patch) {
+        const PatchLight& light = sweep_.light(patch);
+        const uint32_t along = turns_[scene.triangle_of_patch(patch)] > 0 ? 0 : patches, against = patches - along;
+        received[patch + along] += light.received_along.colour();
+        received[patch + against] += light.received_against.colour();
+        pixels[patch] += static_cast<uint32_t>(light.received_along.count);
+    }
 }
 
 }  // namespace lumel

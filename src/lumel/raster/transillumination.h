@@ -1,11 +1,8 @@
 // The transillumination buffer ([WIS] 3.2): all patches along one direction at once, every line of the window with all that it meets.
 #pragma once
 
-#include "lumel/raster/projection.h"
 #include "lumel/raster/raster_scene.h"
-#include "lumel/raster/row_sweep.h"
-#include "lumel/raster/scan_patch.h"
-#include "lumel/raster/sweep_counters.h"
+#include "lumel/raster/scan_patches.h"
 
 namespace lumel {
 
@@ -28,14 +25,22 @@ public:
                   SweepCounters& counters);
 
 private:
-    const RasterScene* scene_;
     void prepare(const Window& window, std::span<const Rgb> sent);
-    ScanPatch scan_patch(uint32_t patch) const;
+    void enqueue(uint32_t triangle, const std::array<SnappedVertex, 3>& corners);
+    void begin_patches(uint32_t row);
+    void collect(std::span<Rgb> received, std::span<uint32_t> pixels);
+    std::array<SnappedVertex, 3> corners(uint32_t triangle) const {
+        const auto& [a, b, c] = scene_->scene().indices()[triangle];
+        return {vertices_[a], vertices_[b], vertices_[c]};
+    }
 
+    const RasterScene* scene_;
     std::vector<SnappedVertex> vertices_;
-    std::vector<uint32_t> first_row_, by_row_, first_of_row_, facing_;
-    std::vector<uint8_t> front_along_;
-    std::vector<ScanPatch> active_;
+    std::vector<int64_t> turns_;                               // of each triangle
+    std::vector<uint32_t> first_row_;                          // of each patch, or the number of rows where it has none
+    std::vector<uint32_t> first_of_row_, by_row_;              // patches in the order of their first rows, and where those of a row begin
+    std::vector<int32_t> lattice_rows_;
+    ScanPatches active_;
     RowSweep sweep_;
 };
 

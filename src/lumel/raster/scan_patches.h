@@ -1,0 +1,55 @@
+// The patches that cross the present row of the window, four side by side.
+#pragma once
+
+#include "lumel/raster/patch_outline.h"
+#include "lumel/raster/row_sweep.h"
+
+namespace lumel {
+
+/// Follows the edges of patches from row to row. A pixel belongs to a patch if its centre is inside; a centre exactly on an edge is taken as
+/// if it were moved a little to the right, and far less up: the top-left rule. All is computed in whole numbers below 2^53 held in doubles;
+/// see first_row for why that is exact.
+class ScanPatches {
+public:
+    void clear() { size_ = 0; }
+    uint32_t size() const { return size_; }
+
+    /// Take a patch from its first row on.
+    void push(const PatchOutline& outline, const DepthPlane& plane, uint32_t patch, uint32_t parity);
+    /// Add the spans of all patches in `row` to `sweep`, and go on to the next row.
+    void scan(int32_t row, RowSweep& sweep);
+
+private:
+    static constexpr uint32_t kLanes = 4;
+    static constexpr size_t kLeft = 0, kRight = 1;
+
+    /// Where an edge from `a` up to `b` crosses a row is numerator / denominator, in pixels.
+    struct Edge {
+        double numerator = 0, growth = 0, denominator = 1;
+
+        Edge() = default;
+        Edge(PatchOutline::Corner a, PatchOutline::Corner b, int32_t row, double pixel)
+            : numerator(a.x * (b.y - a.y) + (b.x - a.x) * (row * pixel - a.y)), growth((b.x - a.x) * pixel), denominator((b.y - a.y) * pixel) {}
+    };
+    struct alignas(32) Lanes {
+        double of[kLanes] = {};
+    };
+    struct Four {
+        Lanes numerator[2], growth[2], denominator[2];
+        Lanes x, y, depth, slope_x, slope_y, lowest, highest, step;  // of the planes
+        Edge upper[kLanes];                                           // follows on the side that has two edges
+        int32_t next_change[kLanes] = {}, end_row[kLanes] = {};
+        uint32_t short_side[kLanes] = {}, patch[kLanes] = {}, parity[kLanes] = {};
+
+        void set_edge(uint32_t side, uint32_t lane, const Edge& edge) {
+            numerator[side].of[lane] = edge.numerator, growth[side].of[lane] = edge.growth, denominator[side].of[lane] = edge.denominator;
+        }
+        void copy(uint32_t to, const Four& other, uint32_t from);
+    };
+    void change(uint32_t index, int32_t row);
+
+    std::vector<Four> fours_;
+    uint32_t size_ = 0;
+};
+
+}  // namespace lumel
