@@ -19,6 +19,8 @@ void RowSweep::resize(uint32_t width, uint32_t patches) {
     spans_[kBehind] = {.depth_at_0 = kFar, .end = kNone, .patch = patches + 1, .parity = RowSpan::open_parity(patches + 1)};
 }
 
+// Stores of light might alter anything as far as the compiler knows; so what is read often is held in local variables.
+
 inline void RowSweep::part(RowSpan& near, uint32_t x) {
     const RowSpan& far = spans_[near.farther];
     exchange(lights_[near.patch], lights_[far.patch], x - near.since);
@@ -29,6 +31,10 @@ inline void RowSweep::meet(RowSpan& near, uint32_t x) {
     const RowSpan& far = spans_[near.farther];
     near.since = x;
     unturned_ += near.parity == far.parity;
+    check_order(near, far, x);
+}
+
+inline void RowSweep::check_order(const RowSpan& near, const RowSpan& far, uint32_t x) {
     const uint32_t last = std::min(near.end, far.end) - 1;
     if (!(near.depth(last) < far.depth(last))) expect_crossing(near, far, x, last);
 }
@@ -48,13 +54,24 @@ void RowSweep::expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t
     crossings_[last / 64] |= uint64_t{1} << last % 64;
 }
 
-inline void RowSweep::replace(uint32_t ending, uint32_t beginning, uint32_t x) {
-    RowSpan &old = spans_[ending], &span = spans_[beginning], &near = spans_[old.nearer];
-    part(near, x), part(old, x);
+/// Let a span take the place of another where it fits; most often they are of neighbours in a mesh.
+inline bool RowSweep::replace(uint32_t ending, uint32_t beginning, uint32_t x) {
+    RowSpan* const spans = spans_.data();
+    PatchLight* const lights = lights_.data();
+    RowSpan &old = spans[ending], &span = spans[beginning], &near = spans[old.nearer], &far = spans[old.farther];
+    const double depth = span.depth(x);
+    if (near.end == x || far.end == x || !(near.depth(x) < depth && depth < far.depth(x))) return false;
+    exchange(lights[near.patch], lights[old.patch], x - near.since);
+    exchange(lights[old.patch], lights[far.patch], x - old.since);
     span.nearer = old.nearer, span.farther = old.farther;
-    near.farther = spans_[old.farther].nearer = last_ = beginning;
-    meet(near, x), meet(span, x);
-    balance_ += static_cast<int64_t>(span.parity & 3) - static_cast<int64_t>(old.parity & 3);
+    near.farther = far.nearer = last_ = beginning;
+    near.since = span.since = x;
+    check_order(near, span, x), check_order(span, far, x);
+    if (span.parity != old.parity) {
+        unturned_ += (near.parity == span.parity) + (span.parity == far.parity) - (near.parity == old.parity) - (old.parity == far.parity);
+        balance_ += static_cast<int64_t>(span.parity & 3) - static_cast<int64_t>(old.parity & 3);
+    }
+    return true;
 }
 
 void RowSweep::remove(uint32_t ending, uint32_t x) {
@@ -76,7 +93,8 @@ void RowSweep::insert(uint32_t beginning, uint32_t x) {
     span.nearer = at, span.farther = near.farther;
     near.farther = spans_[span.farther].nearer = last_ = beginning;
     meet(near, x), meet(span, x);
-    ++depth_, balance_ += static_cast<int64_t>(span.parity & 3) - 1;
+    counters_.most_depth = std::max(counters_.most_depth, ++depth_);
+    balance_ += static_cast<int64_t>(span.parity & 3) - 1;
 }
 
 void RowSweep::sort(uint32_t x) {
@@ -91,17 +109,10 @@ void RowSweep::sort(uint32_t x) {
 }
 
 inline void RowSweep::change(uint32_t x, uint32_t ending, uint32_t beginning) {
-    // Most often the neighbour of a patch takes its place.
-    while (ending != kNone && beginning != kNone) {
-        const RowSpan &old = spans_[ending], &span = spans_[beginning], &near = spans_[old.nearer], &far = spans_[old.farther];
-        const double depth = span.depth(x);
-        if (near.end == x || far.end == x || !(near.depth(x) < depth && depth < far.depth(x))) break;
-        replace(ending, beginning, x);
-        ending = old.also_ends, beginning = span.also_begins;
-    }
+    while (ending != kNone && beginning != kNone && replace(ending, beginning, x))
+        ending = spans_[ending].also_ends, beginning = spans_[beginning].also_begins;
     for (; ending != kNone; ending = spans_[ending].also_ends) remove(ending, x);
     for (; beginning != kNone; beginning = spans_[beginning].also_begins) insert(beginning, x);
-    counters_.most_depth = std::max(counters_.most_depth, static_cast<uint64_t>(depth_));
 }
 
 void RowSweep::run() {

@@ -72,12 +72,13 @@ private:
         return std::exchange(first[x], size_);
     }
     void change(uint32_t x, uint32_t ending, uint32_t beginning);
-    void replace(uint32_t ending, uint32_t beginning, uint32_t x);
+    bool replace(uint32_t ending, uint32_t beginning, uint32_t x);
     void remove(uint32_t ending, uint32_t x);
     void insert(uint32_t beginning, uint32_t x);
     void sort(uint32_t x);
     void part(RowSpan& near, uint32_t x);
     void meet(RowSpan& near, uint32_t x);
+    void check_order(const RowSpan& near, const RowSpan& far, uint32_t x);
     void expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t x, uint32_t last);
 
     std::vector<PatchLight> lights_;                  // and those of kFront and kBehind
@@ -88,7 +89,8 @@ private:
     uint32_t size_ = 0;                               // of spans_, those in use
     uint32_t last_ = 0;                               // span of the line that was touched last
 
-    int64_t depth_ = 0, balance_ = 0, unturned_ = 0;  // of the line: spans, fronts - backs of closed surfaces, neighbours of equal parity
+    uint64_t depth_ = 0;
+    int64_t balance_ = 0, unturned_ = 0;  // of the line: spans, fronts - backs of closed surfaces, neighbours of equal parity
     uint64_t fragments_ = 0;
     SweepCounters counters_;
 };
