@@ -56,11 +56,10 @@ std::vector<std::vector<Fragment>> fragment_lists(const Scene& scene, const Wind
             // The depth of the first pixel of a row, and a whole step to each further one.
             const auto depth = [&](int32_t x) {
                 const double d = plane.depth + plane.slope_y * (static_cast<double>(y) - plane.y) + plane.slope_x * (row[0] - plane.x);
-                return std::floor(std::clamp(d, plane.lowest, plane.highest)) + (x - row[0]) * plane.step;
+                return std::nearbyint(std::clamp(d, plane.lowest, plane.highest)) + (x - row[0]) * plane.step;
             };
             for (int32_t x : row)
-                lines[static_cast<size_t>(y) * window.resolution + static_cast<size_t>(x)].push_back(
-                    {depth(x), patch, twice_area > 0});
+                lines[static_cast<size_t>(y) * window.resolution + static_cast<size_t>(x)].push_back({depth(x), patch, twice_area > 0});
         }
     }
     for (std::vector<Fragment>& line : lines)

@@ -19,7 +19,7 @@ struct PatchOutline {
 
     PatchOutline(const std::array<SnappedVertex, 3>& triangle, uint32_t n, uint32_t index) : pixel(static_cast<double>(n * kSubpixels)) {
         if (n == 1) {
-            for (size_t k = 0; k < 3; ++k) corners[k] = {double(triangle[k].x), double(triangle[k].y)};
+            for (size_t k = 0; k < 3; ++k) corners[k] = {static_cast<double>(triangle[k].x), static_cast<double>(triangle[k].y)};
             return;
         }
         const auto points = PatchPlace::of_index(n, index).lattice();

@@ -27,7 +27,7 @@ constexpr int64_t turn(const SnappedVertex& a, const SnappedVertex& b, const Sna
 }
 
 /// Depth over the plane of a triangle: at pixel (x, y) it is depth + slope_y (y - plane.y) + slope_x (x - plane.x), kept within the depths
-/// of the corners and rounded down.
+/// of the corners and rounded.
 struct DepthPlane {
     double x = 0, y = 0, depth = 0;  ///< one of the corners, in pixels
     double slope_x = 0, slope_y = 0;

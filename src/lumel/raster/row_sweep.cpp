@@ -12,7 +12,7 @@ void RowSweep::resize(uint32_t width, uint32_t patches) {
 
     // Nothing sends nothing. It counts the lines: what it receives from behind is sent by the last patch of each, if there is one.
     lights_[patches] = lights_[patches + 1] = {};
-    lights_[patches + 1].sent_against.count = 1;
+    lights_[patches + 1].sent_against = PatchLight::Flow{0, 0, 0, 1};
     spans_.resize(std::max<size_t>(spans_.size(), 2));
     constexpr double kFar = std::numeric_limits<double>::infinity();
     spans_[kFront] = {.depth_at_0 = -kFar, .end = kNone, .patch = patches, .parity = RowSpan::open_parity(patches), .farther = kBehind};
@@ -132,10 +132,10 @@ void RowSweep::run() {
     }
     // What nothing received leaves the scene.
     PatchLight &front = lights_[lights_.size() - 2], &behind = lights_.back();
-    counters_.escaped += front.received_along.colour();
-    counters_.escaped += behind.received_against.colour();
-    counters_.lines += static_cast<uint64_t>(behind.received_against.count);
-    front.received_along = behind.received_against = {};
+    counters_.escaped += PatchLight::colour(front.received_along);
+    counters_.escaped += PatchLight::colour(behind.received_against);
+    counters_.lines += static_cast<uint64_t>(PatchLight::count(behind.received_against));
+    front.received_along = behind.received_against = PatchLight::Flow{};
 }
 
 void RowSweep::count(SweepCounters& counters) {

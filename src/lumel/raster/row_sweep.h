@@ -81,13 +81,13 @@ private:
     void check_order(const RowSpan& near, const RowSpan& far, uint32_t x);
     void expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t x, uint32_t last);
 
-    std::vector<PatchLight> lights_;                  // and those of kFront and kBehind
-    std::vector<uint64_t> events_, crossings_;        // one bit a pixel: something changes there; neighbours change places
-    std::vector<uint32_t> first_begin_, first_end_;   // span that begins or ends at a pixel, or kNone
+    std::vector<PatchLight> lights_;  // and those of kFront and kBehind
+    std::vector<uint64_t> events_, crossings_;  // one bit a pixel: something changes there; neighbours change places
+    std::vector<uint32_t> first_begin_, first_end_;  // span that begins or ends at a pixel, or kNone
     std::vector<RowSpan> spans_;
     std::vector<uint32_t> order_;
-    uint32_t size_ = 0;                               // of spans_, those in use
-    uint32_t last_ = 0;                               // span of the line that was touched last
+    uint32_t size_ = 0;  // of spans_, those in use
+    uint32_t last_ = 0;  // span of the line that was touched last
 
     uint64_t depth_ = 0;
     int64_t balance_ = 0, unturned_ = 0;  // of the line: spans, fronts - backs of closed surfaces, neighbours of equal parity

@@ -25,53 +25,55 @@ void ScanPatches::push(const PatchOutline& outline, const DepthPlane& plane, uin
     four.end_row[lane] = end;
     four.short_side[lane] = short_side, four.patch[lane] = patch, four.parity[lane] = parity;
 
-    four.x.of[lane] = plane.x, four.y.of[lane] = plane.y, four.depth.of[lane] = plane.depth;
-    four.slope_x.of[lane] = plane.slope_x, four.slope_y.of[lane] = plane.slope_y, four.step.of[lane] = plane.step;
-    four.lowest.of[lane] = plane.lowest, four.highest.of[lane] = plane.highest;
+    four.x[lane] = plane.x, four.y[lane] = plane.y, four.depth[lane] = plane.depth;
+    four.slope_x[lane] = plane.slope_x, four.slope_y[lane] = plane.slope_y, four.step[lane] = plane.step;
+    four.lowest[lane] = plane.lowest, four.highest[lane] = plane.highest;
+}
+
+/// The whole numbers nearest to `v`, of less than 2^51: their fractions are lost in the sum.
+inline ScanPatches::Lanes ScanPatches::nearest(Lanes v) { return (v + 0x1.8p52) - 0x1.8p52; }
+/// The least whole numbers that are not below `v`.
+inline ScanPatches::Lanes ScanPatches::ceiling(Lanes v) {
+    const Lanes whole = nearest(v);
+    return whole < v ? whole + 1 : whole;
+}
+
+/// Find what a row covers of the patches, and go on to the next.
+inline ScanPatches::FourSpans ScanPatches::Four::cross(double row) {
+    const Lanes first = ceiling(numerator[kLeft] / denominator[kLeft]), after = ceiling(numerator[kRight] / denominator[kRight]);
+    numerator[kLeft] += growth[kLeft], numerator[kRight] += growth[kRight];
+
+    // Depths of the first pixels, and what they grow by; single pixels may have any slope, so they get none.
+    Lanes at = depth + slope_y * (row - y) + slope_x * (first - x);
+    at = at > lowest ? at : lowest;
+    at = at < highest ? at : highest;
+    const Lanes steps = after - first > 1 ? step : Lanes{};
+    return {__builtin_convertvector(first, Pixels), __builtin_convertvector(after, Pixels), nearest(at) - steps * first, steps};
 }
 
 void ScanPatches::scan(int32_t row, RowSweep& sweep) {
     sweep.begin_row(size_);
-    const __m256d y = _mm256_set1_pd(row), one = _mm256_set1_pd(1);
-    const __m128i next_row = _mm_set1_epi32(row + 1);
-    uint32_t changing = size_;
+    Pixels changes{};
     for (uint32_t first = 0; first < size_; first += kLanes) {
         Four& four = fours_[first / kLanes];
-        const auto load = [](const Lanes& lanes) { return _mm256_load_pd(lanes.of); };
-
-        // Where the row enters and leaves the patches.
-        const __m256d left = load(four.numerator[kLeft]), right = load(four.numerator[kRight]);
-        const __m256d begin = _mm256_ceil_pd(_mm256_div_pd(left, load(four.denominator[kLeft])));
-        const __m256d end = _mm256_ceil_pd(_mm256_div_pd(right, load(four.denominator[kRight])));
-        _mm256_store_pd(four.numerator[kLeft].of, _mm256_add_pd(left, load(four.growth[kLeft])));
-        _mm256_store_pd(four.numerator[kRight].of, _mm256_add_pd(right, load(four.growth[kRight])));
-
-        // Depths of the first pixels, and what they grow by; single pixels may have any slope, so they get none.
-        const __m256d at_row = _mm256_add_pd(load(four.depth), _mm256_mul_pd(load(four.slope_y), _mm256_sub_pd(y, load(four.y))));
-        const __m256d there = _mm256_add_pd(at_row, _mm256_mul_pd(load(four.slope_x), _mm256_sub_pd(begin, load(four.x))));
-        const __m256d depth = _mm256_floor_pd(_mm256_min_pd(_mm256_max_pd(there, load(four.lowest)), load(four.highest)));
-        const __m256d is_wide = _mm256_cmp_pd(_mm256_sub_pd(end, begin), one, _CMP_GT_OQ);
-        const __m256d step = _mm256_and_pd(load(four.step), is_wide);
-
-        alignas(32) double depth_at_0[kLanes], steps[kLanes];
-        alignas(16) uint32_t begins[kLanes], ends[kLanes];
-        _mm256_store_pd(depth_at_0, _mm256_sub_pd(depth, _mm256_mul_pd(step, begin)));
-        _mm256_store_pd(steps, step);
-        _mm_store_si128(reinterpret_cast<__m128i*>(begins), _mm256_cvttpd_epi32(begin));
-        _mm_store_si128(reinterpret_cast<__m128i*>(ends), _mm256_cvttpd_epi32(end));
+        const FourSpans spans = four.cross(row);
         const uint32_t lanes = std::min(kLanes, size_ - first);
-        for (uint32_t lane = 0; lane < lanes; ++lane)
-            if (begins[lane] < ends[lane])
-                sweep.add(begins[lane], ends[lane], depth_at_0[lane], steps[lane], four.patch[lane], four.parity[lane]);
-
-        const __m128i changes = _mm_cmpeq_epi32(next_row, _mm_loadu_si128(reinterpret_cast<const __m128i*>(four.next_change)));
-        if (changing == size_ && !_mm_testz_si128(changes, changes)) changing = first;
+        for (uint32_t k = 0; k < lanes; ++k)
+            if (spans.begin[k] < spans.end[k])
+                sweep.add(static_cast<uint32_t>(spans.begin[k]), static_cast<uint32_t>(spans.end[k]), spans.depth_at_0[k], spans.step[k],
+                          four.patch[k], four.parity[k]);
+        changes = changes | (four.next_change == row + 1);
     }
+    if ((changes[0] | changes[1] | changes[2] | changes[3]) == 0) return;
+
     // Edges and patches end; the last patch takes the place of one that does.
-    for (uint32_t i = changing; i < size_; ) {
+    for (uint32_t i = 0; i < size_;) {
         Four& four = fours_[i / kLanes];
         const uint32_t lane = i % kLanes;
-        if (four.next_change[lane] != row + 1) { ++i; continue; }
+        if (four.next_change[lane] != row + 1) {
+            ++i;
+            continue;
+        }
         if (four.end_row[lane] == row + 1) {
             --size_;
             four.copy(lane, fours_[size_ / kLanes], size_ % kLanes);
@@ -85,12 +87,13 @@ void ScanPatches::scan(int32_t row, RowSweep& sweep) {
 
 void ScanPatches::Four::copy(uint32_t to, const Four& other, uint32_t from) {
     for (size_t side : {kLeft, kRight}) {
-        numerator[side].of[to] = other.numerator[side].of[from];
-        growth[side].of[to] = other.growth[side].of[from];
-        denominator[side].of[to] = other.denominator[side].of[from];
+        numerator[side][to] = other.numerator[side][from];
+        growth[side][to] = other.growth[side][from];
+        denominator[side][to] = other.denominator[side][from];
     }
-    for (Lanes Four::*lanes : {&Four::x, &Four::y, &Four::depth, &Four::slope_x, &Four::slope_y, &Four::lowest, &Four::highest, &Four::step})
-        (this->*lanes).of[to] = (other.*lanes).of[from];
+    for (Lanes Four::* lanes :
+         {&Four::x, &Four::y, &Four::depth, &Four::slope_x, &Four::slope_y, &Four::lowest, &Four::highest, &Four::step})
+        (this->*lanes)[to] = (other.*lanes)[from];
     upper[to] = other.upper[from];
     next_change[to] = other.next_change[from], end_row[to] = other.end_row[from];
     short_side[to] = other.short_side[from], patch[to] = other.patch[from], parity[to] = other.parity[from];

@@ -6,9 +6,9 @@
 
 namespace lumel {
 
-/// Follows the edges of patches from row to row. A pixel belongs to a patch if its centre is inside; a centre exactly on an edge is taken as
-/// if it were moved a little to the right, and far less up: the top-left rule. All is computed in whole numbers below 2^53 held in doubles;
-/// see first_row for why that is exact.
+/// Follows the edges of patches from row to row. A pixel belongs to a patch if its centre is inside; a centre exactly on an edge is taken
+/// as if it were moved a little to the right, and far less up: the top-left rule. All is computed in whole numbers below 2^53 held in
+/// doubles; see first_row for why that is exact.
 class ScanPatches {
 public:
     void clear() { size_ = 0; }
@@ -29,24 +29,31 @@ private:
 
         Edge() = default;
         Edge(PatchOutline::Corner a, PatchOutline::Corner b, int32_t row, double pixel)
-            : numerator(a.x * (b.y - a.y) + (b.x - a.x) * (row * pixel - a.y)), growth((b.x - a.x) * pixel), denominator((b.y - a.y) * pixel) {}
+            : numerator(a.x * (b.y - a.y) + (b.x - a.x) * (row * pixel - a.y)),
+              growth((b.x - a.x) * pixel),
+              denominator((b.y - a.y) * pixel) {}
     };
-    struct alignas(32) Lanes {
-        double of[kLanes] = {};
+    using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
+    using Pixels = int32_t __attribute__((vector_size(kLanes * sizeof(int32_t))));
+    struct FourSpans {
+        Pixels begin, end;
+        Lanes depth_at_0, step;
     };
     struct Four {
-        Lanes numerator[2], growth[2], denominator[2];
-        Lanes x, y, depth, slope_x, slope_y, lowest, highest, step;  // of the planes
+        Lanes numerator[2]{}, growth[2]{}, denominator[2]{Lanes{1, 1, 1, 1}, Lanes{1, 1, 1, 1}};
+        Lanes x{}, y{}, depth{}, slope_x{}, slope_y{}, lowest{}, highest{}, step{};  // of the planes
         Edge upper[kLanes];                                           // follows on the side that has two edges
-        int32_t next_change[kLanes] = {}, end_row[kLanes] = {};
+        Pixels next_change{}, end_row{};
         uint32_t short_side[kLanes] = {}, patch[kLanes] = {}, parity[kLanes] = {};
 
         void set_edge(uint32_t side, uint32_t lane, const Edge& edge) {
-            numerator[side].of[lane] = edge.numerator, growth[side].of[lane] = edge.growth, denominator[side].of[lane] = edge.denominator;
+            numerator[side][lane] = edge.numerator, growth[side][lane] = edge.growth, denominator[side][lane] = edge.denominator;
         }
+        FourSpans cross(double row);
         void copy(uint32_t to, const Four& other, uint32_t from);
     };
-    void change(uint32_t index, int32_t row);
+    static Lanes nearest(Lanes v);
+    static Lanes ceiling(Lanes v);
 
     std::vector<Four> fours_;
     uint32_t size_ = 0;

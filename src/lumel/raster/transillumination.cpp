@@ -101,9 +101,9 @@ void Transillumination::collect(std::span<Rgb> received, std::span<uint32_t> pix
     for (uint32_t patch = 0; patch < patches; ++patch) {
         const PatchLight& light = sweep_.light(patch);
         const uint32_t along = turns_[scene.triangle_of_patch(patch)] > 0 ? 0 : patches, against = patches - along;
-        received[patch + along] += light.received_along.colour();
-        received[patch + against] += light.received_against.colour();
-        pixels[patch] += static_cast<uint32_t>(light.received_along.count);
+        received[patch + along] += PatchLight::colour(light.received_along);
+        received[patch + against] += PatchLight::colour(light.received_against);
+        pixels[patch] += static_cast<uint32_t>(PatchLight::count(light.received_along));
     }
 }
 

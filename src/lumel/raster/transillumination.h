@@ -36,9 +36,9 @@ private:
 
     const RasterScene* scene_;
     std::vector<SnappedVertex> vertices_;
-    std::vector<int64_t> turns_;                               // of each triangle
-    std::vector<uint32_t> first_row_;                          // of each patch, or the number of rows where it has none
-    std::vector<uint32_t> first_of_row_, by_row_;              // patches in the order of their first rows, and where those of a row begin
+    std::vector<int64_t> turns_;  // of each triangle
+    std::vector<uint32_t> first_row_;  // of each patch, or the number of rows where it has none
+    std::vector<uint32_t> first_of_row_, by_row_;  // patches in the order of their first rows, and where those of a row begin
     std::vector<int32_t> lattice_rows_;
     ScanPatches active_;
     RowSweep sweep_;
