@@ -61,6 +61,10 @@ public:
     void run();
     /// Add to `counters` what was met since the last call.
     void count(SweepCounters& counters);
+    size_t bytes() const {
+        return lights_.capacity() * sizeof(PatchLight) + spans_.capacity() * sizeof(RowSpan) +
+               first_begin_.capacity() * 2 * sizeof(uint32_t);
+    }
 
 private:
     static constexpr uint32_t kFront = 0, kBehind = 1;  // spans before and behind all others: those who see them see nothing

@@ -30,25 +30,20 @@ void ScanPatches::push(const PatchOutline& outline, const DepthPlane& plane, uin
     four.lowest[lane] = plane.lowest, four.highest[lane] = plane.highest;
 }
 
-/// The whole numbers nearest to `v`, of less than 2^51: their fractions are lost in the sum.
-inline ScanPatches::Lanes ScanPatches::nearest(Lanes v) { return (v + 0x1.8p52) - 0x1.8p52; }
-/// The least whole numbers that are not below `v`.
-inline ScanPatches::Lanes ScanPatches::ceiling(Lanes v) {
-    const Lanes whole = nearest(v);
-    return whole < v ? whole + 1 : whole;
-}
-
-/// Find what a row covers of the patches, and go on to the next.
-inline ScanPatches::FourSpans ScanPatches::Four::cross(double row) {
-    const Lanes first = ceiling(numerator[kLeft] / denominator[kLeft]), after = ceiling(numerator[kRight] / denominator[kRight]);
+/// Find what a row covers of the patches, and go on to the next. Every statement is one for all lanes.
+inline void ScanPatches::Four::cross(double row, FourSpans& spans) {
+    Lanes first = numerator[kLeft] / denominator[kLeft], after = numerator[kRight] / denominator[kRight];
+    round_up(first), round_up(after);
     numerator[kLeft] += growth[kLeft], numerator[kRight] += growth[kRight];
 
     // Depths of the first pixels, and what they grow by; single pixels may have any slope, so they get none.
     Lanes at = depth + slope_y * (row - y) + slope_x * (first - x);
     at = at > lowest ? at : lowest;
     at = at < highest ? at : highest;
-    const Lanes steps = after - first > 1 ? step : Lanes{};
-    return {__builtin_convertvector(first, Pixels), __builtin_convertvector(after, Pixels), nearest(at) - steps * first, steps};
+    round(at);
+    spans.step = after - first > 1 ? step : Lanes{};
+    spans.depth_at_0 = at - spans.step * first;
+    spans.begin = __builtin_convertvector(first, Pixels), spans.end = __builtin_convertvector(after, Pixels);
 }
 
 void ScanPatches::scan(int32_t row, RowSweep& sweep) {
@@ -56,7 +51,8 @@ void ScanPatches::scan(int32_t row, RowSweep& sweep) {
     Pixels changes{};
     for (uint32_t first = 0; first < size_; first += kLanes) {
         Four& four = fours_[first / kLanes];
-        const FourSpans spans = four.cross(row);
+        FourSpans spans;
+        four.cross(row, spans);
         const uint32_t lanes = std::min(kLanes, size_ - first);
         for (uint32_t k = 0; k < lanes; ++k)
             if (spans.begin[k] < spans.end[k])

@@ -12,7 +12,7 @@ namespace lumel {
 class ScanPatches {
 public:
     void clear() { size_ = 0; }
-    uint32_t size() const { return size_; }
+    size_t bytes() const { return fours_.capacity() * sizeof(Four); }
 
     /// Take a patch from its first row on.
     void push(const PatchOutline& outline, const DepthPlane& plane, uint32_t patch, uint32_t parity);
@@ -49,11 +49,18 @@ private:
         void set_edge(uint32_t side, uint32_t lane, const Edge& edge) {
             numerator[side][lane] = edge.numerator, growth[side][lane] = edge.growth, denominator[side][lane] = edge.denominator;
         }
-        FourSpans cross(double row);
+        void cross(double row, FourSpans& spans);
         void copy(uint32_t to, const Four& other, uint32_t from);
     };
-    static Lanes nearest(Lanes v);
-    static Lanes ceiling(Lanes v);
+
+    /// To the nearest whole number; |v| < 2^51, so that the sum has no room for fractions.
+    static void round(Lanes& v) { v = (v + 0x1.8p52) - 0x1.8p52; }
+    /// To the least whole number that is not below v.
+    static void round_up(Lanes& v) {
+        const Lanes given = v;
+        round(v);
+        v = v < given ? v + 1 : v;
+    }
 
     std::vector<Four> fours_;
     uint32_t size_ = 0;

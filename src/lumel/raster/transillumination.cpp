@@ -107,4 +107,10 @@ void Transillumination::collect(std::span<Rgb> received, std::span<uint32_t> pix
     }
 }
 
+size_t Transillumination::bytes() const {
+    const auto of = [](const auto& values) { return values.capacity() * sizeof(values[0]); };
+    return of(vertices_) + of(turns_) + of(first_row_) + of(first_of_row_) + of(by_row_) + of(lattice_rows_) + active_.bytes() +
+           sweep_.bytes();
+}
+
 }  // namespace lumel

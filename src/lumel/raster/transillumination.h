@@ -24,6 +24,9 @@ public:
     void exchange(const Window& window, std::span<const Rgb> sent, std::span<Rgb> received, std::span<uint32_t> pixels,
                   SweepCounters& counters);
 
+    /// Memory that it holds, in bytes.
+    size_t bytes() const;
+
 private:
     void prepare(const Window& window, std::span<const Rgb> sent);
     void enqueue(uint32_t triangle, const std::array<SnappedVertex, 3>& corners);
