@@ -63,7 +63,7 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args()
-    print(f"{args.scene}, window {args.window}, {args.threads} of {machine()}")
+    print(f"{args.scene}, window {args.window}, on {args.threads} threads; {machine()}")
 
     scene, _ = to_core(lumel.load(str(folder() / f"{args.scene}.xml")), args.patches)
     raster, accel = _core.Raster(scene, args.threads), _core.Accel(scene)
@@ -89,20 +89,20 @@ def main() -> int:
     ratio = statistics.median(counts["pairs"] / s.cpu / (rays / h.cpu) for s, h in zip(sweeps, shots, strict=True))
     wall_ratio = statistics.median(counts["pairs"] / s.wall / (rays / h.wall) for s, h in zip(sweeps, shots, strict=True))
 
-    def line(what: str, count: float, wall: float, cpu: float) -> None:
-        print(f"{what:24} {count / wall / 1e6:9.3f} M/s by the wall clock {count / cpu / 1e6:9.3f} M/s of processor time")
+    def line(what: str, count: float, wall: float, cpu: float, unit: str = "M/s") -> None:
+        scale = 1e6 if unit == "M/s" else 1
+        print(f"{what:24} {count / wall / scale:9.2f} {unit} by the wall clock {count / cpu / scale:9.2f} {unit} of processor time")
 
     print(f"{scene.triangles} triangles, {scene.patches} patches")
     line("transfers", counts["pairs"], wall, cpu)
     line("fragments", counts["fragments"], wall, cpu)
-    line("directions", args.directions, wall, cpu)
+    line("directions", args.directions, wall, cpu, "1/s")
     line("closest hits", rays, statistics.median(t.wall for t in shots), statistics.median(t.cpu for t in shots))
     print(f"transfers / closest hits {wall_ratio:9.1f}                       {ratio:9.1f}")
     print(f"fragments a line         {counts['fragments'] / counts['lines']:9.2f}")
     print(f"parity violations        {1e6 * counts['parity_violations'] / counts['lines']:9.3f} of a million lines")
-    print(
-        f"bytes a fragment         {moved:9.2f}, in all {moved * counts['fragments'] / wall / memory:.1%} of the {memory / 1e9:.1f} GB/s of a copy"
-    )
+    share = moved * counts["fragments"] / wall / memory
+    print(f"bytes a fragment         {moved:9.2f}, in all {share:.1%} of the {memory / 1e9:.1f} GB/s of a copy")
     print(f"memory                   {raster.bytes / 1e6:9.1f} MB beside the scene, {peak:.0f} MB the whole process at most")
     return int(counts["pairs"] / cpu < PAIRS_PER_THREAD * args.threads or ratio < RATIO)
 

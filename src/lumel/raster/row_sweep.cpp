@@ -19,8 +19,6 @@ void RowSweep::resize(uint32_t width, uint32_t patches) {
     spans_[kBehind] = {.depth_at_0 = kFar, .end = kNone, .patch = patches + 1, .parity = RowSpan::open_parity(patches + 1)};
 }
 
-// Stores of light might alter anything as far as the compiler knows; so what is read often is held in local variables.
-
 inline void RowSweep::part(RowSpan& near, uint32_t x) {
     const RowSpan& far = spans_[near.farther];
     exchange(lights_[near.patch], lights_[far.patch], x - near.since);
@@ -56,13 +54,11 @@ void RowSweep::expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t
 
 /// Let a span take the place of another where it fits; most often they are of neighbours in a mesh.
 inline bool RowSweep::replace(uint32_t ending, uint32_t beginning, uint32_t x) {
-    RowSpan* const spans = spans_.data();
-    PatchLight* const lights = lights_.data();
-    RowSpan &old = spans[ending], &span = spans[beginning], &near = spans[old.nearer], &far = spans[old.farther];
+    RowSpan &old = spans_[ending], &span = spans_[beginning], &near = spans_[old.nearer], &far = spans_[old.farther];
     const double depth = span.depth(x);
     if (near.end == x || far.end == x || !(near.depth(x) < depth && depth < far.depth(x))) return false;
-    exchange(lights[near.patch], lights[old.patch], x - near.since);
-    exchange(lights[old.patch], lights[far.patch], x - old.since);
+    exchange(lights_[near.patch], lights_[old.patch], x - near.since);
+    exchange(lights_[old.patch], lights_[far.patch], x - old.since);
     span.nearer = old.nearer, span.farther = old.farther;
     near.farther = far.nearer = last_ = beginning;
     near.since = span.since = x;
