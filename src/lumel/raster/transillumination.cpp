@@ -4,10 +4,10 @@ namespace lumel {
 
 void Transillumination::exchange(const Window& window, std::span<const Rgb> sent, std::span<Rgb> received, std::span<uint32_t> pixels,
                                  SweepCounters& counters) {
-    prepare(window, sent);
+    prepare(window);
     active_.clear();
     for (uint32_t row = 0; row < window.resolution; ++row) {
-        begin_patches(row);
+        begin_patches(row, sent);
         active_.scan(static_cast<int32_t>(row), sweep_);
         sweep_.run();
     }
@@ -16,7 +16,7 @@ void Transillumination::exchange(const Window& window, std::span<const Rgb> sent
     collect(received, pixels);
 }
 
-void Transillumination::prepare(const Window& window, std::span<const Rgb> sent) {
+void Transillumination::prepare(const Window& window) {
     const Scene& scene = scene_->scene();
     const uint32_t patches = scene.patches();
     project(scene, window, vertices_);
@@ -28,13 +28,9 @@ void Transillumination::prepare(const Window& window, std::span<const Rgb> sent)
     for (uint32_t t = 0; t < scene.triangles(); ++t) {
         const std::array c = corners(t);
         turns_[t] = turn(c[0], c[1], c[2]);
-        const uint32_t first = scene.first_patch(t), n = scene.divisions(t), along = turns_[t] > 0 ? 0 : patches, against = patches - along;
         enqueue(t, c);
-        for (uint32_t patch = first; patch < first + n * n; ++patch) {
-            ++first_of_row_[first_row_[patch] + 1];
-            sweep_.light(patch) = PatchLight(sent[patch + along], sent[patch + against]);
-        }
     }
+    for (uint32_t row : first_row_) ++first_of_row_[row + 1];
     for (uint32_t row = 0; row <= window.resolution; ++row) first_of_row_[row + 1] += first_of_row_[row];
     for (uint32_t patch = 0; patch < patches; ++patch) by_row_[first_of_row_[first_row_[patch]]++] = patch;
     for (uint32_t row = window.resolution + 1; row > 0; --row) first_of_row_[row] = first_of_row_[row - 1];
@@ -53,8 +49,13 @@ void Transillumination::enqueue(uint32_t triangle, const std::array<SnappedVerte
     };
     const auto [a, b, c] = corners;
     if (n == 1) {
-        const auto row = [](int32_t y) { return static_cast<int32_t>((y + kSubpixels - 1) >> kSubpixelBits); };
-        put(row(a.y), row(b.y), row(c.y));
+        // Many of the smallest lie between two columns.
+        const auto pixel = [](int32_t x) { return static_cast<int32_t>((x + kSubpixels - 1) >> kSubpixelBits); };
+        const int32_t column = pixel(a.x);
+        if (pixel(b.x) == column && pixel(c.x) == column)
+            *first = none;
+        else
+            put(pixel(a.y), pixel(b.y), pixel(c.y));
         return;
     }
 
@@ -77,9 +78,9 @@ void Transillumination::enqueue(uint32_t triangle, const std::array<SnappedVerte
     }
 }
 
-void Transillumination::begin_patches(uint32_t row) {
+void Transillumination::begin_patches(uint32_t row, std::span<const Rgb> sent) {
     const Scene& scene = scene_->scene();
-    uint32_t triangle = scene.triangles(), parity = 0;
+    uint32_t triangle = scene.triangles();
     std::array<SnappedVertex, 3> c;
     DepthPlane plane;
     for (uint32_t i = first_of_row_[row]; i < first_of_row_[row + 1]; ++i) {
@@ -89,20 +90,24 @@ void Transillumination::begin_patches(uint32_t row) {
             c = corners(triangle);
             plane = DepthPlane(c[0], c[1], c[2], turns_[triangle]);
         }
-        const uint32_t surface = scene_->closed_surface(triangle);
-        parity = surface == RasterScene::kOpen ? RowSpan::open_parity(patch) : RowSpan::closed_parity(surface, turns_[triangle] > 0);
-        active_.push(PatchOutline(c, scene.divisions(triangle), patch - scene.first_patch(triangle)), plane, patch, parity);
+        const bool front_along = turns_[triangle] > 0;
+        const uint32_t front = patch, back = patch + scene.patches(), surface = scene_->closed_surface(triangle);
+        sweep_.light(patch) = front_along ? PatchLight(sent[front], sent[back]) : PatchLight(sent[back], sent[front]);
+        active_.push(PatchOutline(c, scene.divisions(triangle), patch - scene.first_patch(triangle)), plane, patch,
+                     surface == RasterScene::kOpen ? RowSpan::open_parity(patch) : RowSpan::closed_parity(surface, front_along));
     }
 }
 
 void Transillumination::collect(std::span<Rgb> received, std::span<uint32_t> pixels) {
     const Scene& scene = scene_->scene();
-    const uint32_t patches = scene.patches();
-    for (uint32_t patch = 0; patch < patches; ++patch) {
+    const auto none = static_cast<uint32_t>(first_of_row_.size() - 2);
+    for (uint32_t patch = 0; patch < scene.patches(); ++patch) {
+        if (first_row_[patch] == none) continue;
         const PatchLight& light = sweep_.light(patch);
-        const uint32_t along = turns_[scene.triangle_of_patch(patch)] > 0 ? 0 : patches, against = patches - along;
-        received[patch + along] += PatchLight::colour(light.received_along);
-        received[patch + against] += PatchLight::colour(light.received_against);
+        const bool front_along = turns_[scene.triangle_of_patch(patch)] > 0;
+        const uint32_t front = patch, back = patch + scene.patches();
+        received[front_along ? front : back] += PatchLight::colour(light.received_along);
+        received[front_along ? back : front] += PatchLight::colour(light.received_against);
         pixels[patch] += static_cast<uint32_t>(PatchLight::count(light.received_along));
     }
 }

@@ -28,9 +28,9 @@ public:
     size_t bytes() const;
 
 private:
-    void prepare(const Window& window, std::span<const Rgb> sent);
+    void prepare(const Window& window);
     void enqueue(uint32_t triangle, const std::array<SnappedVertex, 3>& corners);
-    void begin_patches(uint32_t row);
+    void begin_patches(uint32_t row, std::span<const Rgb> sent);
     void collect(std::span<Rgb> received, std::span<uint32_t> pixels);
     std::array<SnappedVertex, 3> corners(uint32_t triangle) const {
         const auto& [a, b, c] = scene_->scene().indices()[triangle];
