@@ -146,7 +146,7 @@ TEST(Raster, the_same_sweep_gives_the_same_bytes_whatever_was_swept_before) {
 TEST(Raster, closed_meshes_alternate_and_give_back_uniform_radiance) {
     const Scene scene = two_spheres().build(5000);
     const RasterScene raster(scene);
-    ASSERT_TRUE(raster.has_closed_surfaces());
+    for (uint32_t t = 0; t < scene.triangles(); ++t) ASSERT_NE(raster.closed_surface(t), RasterScene::kOpen);
     Rng rng(1);
     for (int i = 0; i < 50; ++i) {
         const Window window = random_window(scene, 200, rng);
