@@ -15,20 +15,20 @@ void RowSweep::resize(uint32_t width, uint32_t patches) {
     lights_[patches + 1].sent_against = PatchLight::Flow{0, 0, 0, 1};
     spans_.resize(std::max<size_t>(spans_.size(), 2));
     constexpr double kFar = std::numeric_limits<double>::infinity();
-    spans_[kFront] = {.depth_at_0 = -kFar, .end = kNone, .patch = patches, .parity = RowSpan::open_parity(patches), .farther = kBehind};
-    spans_[kBehind] = {.depth_at_0 = kFar, .end = kNone, .patch = patches + 1, .parity = RowSpan::open_parity(patches + 1)};
+    spans_[kFront] = {.depth_at_0 = -kFar, .end = kNone, .patch = patches, .parity = RowSpan::kOpenParity, .farther = kBehind};
+    spans_[kBehind] = {.depth_at_0 = kFar, .end = kNone, .patch = patches + 1, .parity = RowSpan::kOpenParity};
 }
 
 inline void RowSweep::part(RowSpan& near, uint32_t x) {
     const RowSpan& far = spans_[near.farther];
     exchange(lights_[near.patch], lights_[far.patch], x - near.since);
-    unturned_ -= near.parity == far.parity;
+    unturned_ -= near.faces_like(far);
 }
 
 inline void RowSweep::meet(RowSpan& near, uint32_t x) {
     const RowSpan& far = spans_[near.farther];
     near.since = x;
-    unturned_ += near.parity == far.parity;
+    unturned_ += near.faces_like(far);
     check_order(near, far, x);
 }
 
@@ -64,7 +64,7 @@ inline bool RowSweep::replace(uint32_t ending, uint32_t beginning, uint32_t x) {
     near.since = span.since = x;
     check_order(near, span, x), check_order(span, far, x);
     if (span.parity != old.parity) {
-        unturned_ += (near.parity == span.parity) + (span.parity == far.parity) - (near.parity == old.parity) - (old.parity == far.parity);
+        unturned_ += near.faces_like(span) + span.faces_like(far) - near.faces_like(old) - old.faces_like(far);
         balance_ += static_cast<int64_t>(span.parity & 3) - static_cast<int64_t>(old.parity & 3);
     }
     return true;

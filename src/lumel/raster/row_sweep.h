@@ -15,7 +15,7 @@ struct alignas(64) RowSpan {
     double depth_at_0 = 0, step = 0;  ///< whole numbers: the depth at pixel x is depth_at_0 + x step
     uint32_t end = 0;                 ///< the pixel after the last
     uint32_t patch = 0;
-    uint32_t parity = 0;                       ///< see parity()
+    uint32_t parity = 0;                       ///< see kOpenParity
     uint32_t also_begins = 0, also_ends = 0;   ///< another span that begins or ends at the same pixel
     uint32_t nearer = 0, farther = 0;          ///< neighbours on the line
     uint32_t since = 0;                        ///< pixel from which `farther` is the neighbour
@@ -27,10 +27,12 @@ struct alignas(64) RowSpan {
         return a != b ? a < b : patch < other.patch;
     }
 
-    /// How a patch counts in the parity of lines: equal for those of one closed surface that face the same way, else different. The two
-    /// lowest bits sum to the number of patches on a line where the fronts of closed surfaces are as many as the backs.
+    /// How a patch counts in the parity of lines: even for closed surfaces, equal for those of one that face the same way. The two lowest
+    /// bits sum to the number of patches on a line where the fronts of closed surfaces are as many as the backs.
+    static constexpr uint32_t kOpenParity = 1;
     static uint32_t closed_parity(uint32_t surface, bool front_along) { return surface * 4 + (front_along ? 2 : 0); }
-    static uint32_t open_parity(uint32_t patch) { return patch * 4 + 1; }
+    /// Are they of one closed surface and face the same way?
+    bool faces_like(const RowSpan& other) const { return parity == other.parity && parity % 2 == 0; }
 };
 
 /// Walks along a row from one begin or end of a span to the next, and keeps the list of the spans of the present pixel, by depth.
@@ -94,7 +96,7 @@ private:
     uint32_t last_ = 0;  // span of the line that was touched last
 
     uint64_t depth_ = 0;
-    int64_t balance_ = 0, unturned_ = 0;  // of the line: spans, fronts - backs of closed surfaces, neighbours of equal parity
+    int64_t balance_ = 0, unturned_ = 0;  // of the line: spans, fronts - backs of closed surfaces, neighbours that face alike
     uint64_t fragments_ = 0;
     SweepCounters counters_;
 };

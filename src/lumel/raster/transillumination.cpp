@@ -94,7 +94,7 @@ void Transillumination::begin_patches(uint32_t row, std::span<const Rgb> sent) {
         const uint32_t front = patch, back = patch + scene.patches(), surface = scene_->closed_surface(triangle);
         sweep_.light(patch) = front_along ? PatchLight(sent[front], sent[back]) : PatchLight(sent[back], sent[front]);
         active_.push(PatchOutline(c, scene.divisions(triangle), patch - scene.first_patch(triangle)), plane, patch,
-                     surface == RasterScene::kOpen ? RowSpan::open_parity(patch) : RowSpan::closed_parity(surface, front_along));
+                     surface == RasterScene::kOpen ? RowSpan::kOpenParity : RowSpan::closed_parity(surface, front_along));
     }
 }
 
