@@ -46,4 +46,6 @@ inline std::vector<float> flat(std::span<const lumel::Rgb> colours) {
 }
 
 void bind_scene(nb::module_& m);
+void bind_accel(nb::module_& m);
+void bind_raster(nb::module_& m);
 void bind_session(nb::module_& m);

@@ -53,9 +53,13 @@ std::vector<std::vector<Fragment>> fragment_lists(const Scene& scene, const Wind
             std::vector<int32_t> row;
             for (int64_t x = x0 / outline.pixel; x * outline.pixel <= x1; ++x)
                 if (outline.covers(x, y)) row.push_back(static_cast<int32_t>(x));
+            // The depth of the first pixel of a row, and a whole step to each further one.
+            const auto depth = [&](int32_t x) {
+                const double d = plane.depth + plane.slope_y * (static_cast<double>(y) - plane.y) + plane.slope_x * (row[0] - plane.x);
+                return std::nearbyint(std::clamp(d, plane.lowest, plane.highest)) + (x - row[0]) * plane.step;
+            };
             for (int32_t x : row)
-                lines[static_cast<size_t>(y) * window.resolution + static_cast<size_t>(x)].push_back(
-                    {plane.at(row[0], static_cast<int32_t>(y)) + (x - row[0]) * plane.step(), patch, twice_area > 0});
+                lines[static_cast<size_t>(y) * window.resolution + static_cast<size_t>(x)].push_back({depth(x), patch, twice_area > 0});
         }
     }
     for (std::vector<Fragment>& line : lines)

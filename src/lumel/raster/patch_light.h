@@ -1,31 +1,31 @@
 // What a patch sends and receives in one sweep, in one cache line.
 #pragma once
 
-#include <immintrin.h>
+#include <cstdint>
 
 #include "lumel/math/vec.h"
 
 namespace lumel {
 
-/// Light along the direction of the window and against it, each as red, green, blue and a count: what is sent counts 1, so that what is
-/// received counts the pixels.
+/// Light along the direction of the window and against it.
 struct alignas(64) PatchLight {
-    struct alignas(16) Flow {
-        float red = 0, green = 0, blue = 0, count = 1;
-    };
-    Flow sent_along, sent_against;
-    Flow received_along{0, 0, 0, 0}, received_against{0, 0, 0, 0};  ///< by the side that faces along, by the one that faces against
+    /// Red, green, blue and a count: what is sent counts 1, so that what is received counts the pixels that it came over.
+    using Flow = float __attribute__((vector_size(16)));
+
+    Flow sent_along{}, sent_against{};          ///< by the side that faces along the direction, by the one that faces against it
+    Flow received_along{}, received_against{};  ///< the same
 
     PatchLight() = default;
     PatchLight(Rgb along, Rgb against) : sent_along{along.x, along.y, along.z, 1}, sent_against{against.x, against.y, against.z, 1} {}
-
-    /// Receive over `width` pixels what `before` sends along the direction and `behind` against it.
-    void receive(const PatchLight& before, const PatchLight& behind, __m256 width) {
-        const __m256 arriving = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&behind.sent_against.red)),
-                                                     _mm_load_ps(&before.sent_along.red), 1);
-        float* received = &received_along.red;
-        _mm256_store_ps(received, _mm256_add_ps(_mm256_load_ps(received), _mm256_mul_ps(arriving, width)));
-    }
+    static Rgb colour(Flow flow) { return {flow[0], flow[1], flow[2]}; }
+    static float count(Flow flow) { return flow[3]; }
 };
+
+/// Two neighbours see each other over `pixels` pixels: `far` lies behind `near`.
+inline void exchange(PatchLight& near, PatchLight& far, uint32_t pixels) {
+    const auto times = static_cast<float>(static_cast<int32_t>(pixels));
+    near.received_along += far.sent_against * times;
+    far.received_against += near.sent_along * times;
+}
 
 }  // namespace lumel

@@ -14,19 +14,25 @@ struct PatchOutline {
     struct Corner {
         double x = 0, y = 0;
     };
-    double divisions = 1;
+    double pixel = kSubpixels;  ///< units to a pixel
     std::array<Corner, 3> corners;
 
-    PatchOutline(const std::array<SnappedVertex, 3>& triangle, uint32_t n, const PatchPlace& place) : divisions(n) {
-        const auto points = place.lattice();
+    PatchOutline(const std::array<SnappedVertex, 3>& triangle, uint32_t n, uint32_t index) : pixel(static_cast<double>(n * kSubpixels)) {
+        if (n == 1) {
+            for (size_t k = 0; k < 3; ++k) corners[k] = {static_cast<double>(triangle[k].x), static_cast<double>(triangle[k].y)};
+            return;
+        }
+        const auto points = PatchPlace::of_index(n, index).lattice();
         for (size_t k = 0; k < 3; ++k) {
-            const double i = points[k][0], j = points[k][1], rest = divisions - i - j;
+            const double i = points[k][0], j = points[k][1], rest = n - i - j;
             corners[k] = {rest * triangle[0].x + i * triangle[1].x + j * triangle[2].x,
                           rest * triangle[0].y + i * triangle[1].y + j * triangle[2].y};
         }
     }
-    /// Units of the corners to a pixel.
-    double pixel() const { return divisions * kSubpixels; }
 };
+
+/// The first row of pixels whose centres are not below `y`. The quotient is rounded up exactly: a fraction a/b lies at least 1/b above the
+/// whole number below it, and the error of the division is less, as |a| < 2^53.
+inline int32_t first_row(double y, double pixel) { return static_cast<int32_t>(std::ceil(y / pixel)); }
 
 }  // namespace lumel

@@ -29,12 +29,12 @@ DepthPlane::DepthPlane(SnappedVertex a, SnappedVertex b, SnappedVertex c, int64_
     constexpr double kPixels = 1.0 / kSubpixels;
     const double bx = (b.x - a.x) * kPixels, by = (b.y - a.y) * kPixels, cx = (c.x - a.x) * kPixels, cy = (c.y - a.y) * kPixels;
     const double bd = b.depth - a.depth, cd = c.depth - a.depth, area = static_cast<double>(twice_area) * (kPixels * kPixels);
-    x_ = a.x * kPixels, y_ = a.y * kPixels, depth_ = a.depth;
-    slope_x_ = (bd * cy - cd * by) / area;
-    slope_y_ = (cd * bx - bd * cx) / area;
-    lowest_ = std::min({a.depth, b.depth, c.depth});
-    highest_ = std::max({a.depth, b.depth, c.depth});
-    step_ = std::floor(slope_x_);
+    x = a.x * kPixels, y = a.y * kPixels, depth = a.depth;
+    slope_x = (bd * cy - cd * by) / area;
+    slope_y = (cd * bx - bd * cx) / area;
+    lowest = std::min({a.depth, b.depth, c.depth});
+    highest = std::max({a.depth, b.depth, c.depth});
+    step = std::floor(slope_x);
 }
 
 }  // namespace lumel

@@ -26,22 +26,17 @@ constexpr int64_t turn(const SnappedVertex& a, const SnappedVertex& b, const Sna
     return int64_t{b.x - a.x} * (c.y - a.y) - int64_t{b.y - a.y} * (c.x - a.x);
 }
 
-/// Depth over the plane of a triangle.
-class DepthPlane {
-public:
+/// Depth over the plane of a triangle: at pixel (x, y) it is depth + slope_y (y - plane.y) + slope_x (x - plane.x), kept within the depths
+/// of the corners and rounded.
+struct DepthPlane {
+    double x = 0, y = 0, depth = 0;  ///< one of the corners, in pixels
+    double slope_x = 0, slope_y = 0;
+    double lowest = 0, highest = 0;
+    double step = 0;  ///< from pixel to pixel along a row, a whole number
+
+    DepthPlane() = default;
     /// `twice_area` is turn(a, b, c) and not 0. The order of the vertices does not matter.
     DepthPlane(SnappedVertex a, SnappedVertex b, SnappedVertex c, int64_t twice_area);
-
-    /// Depth at a pixel, a whole number.
-    double at(int32_t x, int32_t y) const {
-        const double d = depth_ + slope_x_ * (x - x_) + slope_y_ * (y - y_);
-        return std::floor(std::min(std::max(d, lowest_), highest_));
-    }
-    /// What the depth grows by from a pixel to the next of the same row, a whole number. Meant for rows of at least two pixels.
-    double step() const { return step_; }
-
-private:
-    double x_ = 0, y_ = 0, depth_ = 0, slope_x_ = 0, slope_y_ = 0, lowest_ = 0, highest_ = 0, step_ = 0;
 };
 
 }  // namespace lumel

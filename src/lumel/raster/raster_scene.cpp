@@ -73,8 +73,4 @@ RasterScene::RasterScene(const Scene& scene) : scene_(&scene), closed_surface_(s
         if (is_open[surface]) surface = kOpen;
 }
 
-bool RasterScene::has_closed_surfaces() const {
-    return std::any_of(closed_surface_.begin(), closed_surface_.end(), [](uint32_t surface) { return surface != kOpen; });
-}
-
 }  // namespace lumel

@@ -17,7 +17,6 @@ public:
     const Scene& scene() const { return *scene_; }
     /// Number of the closed surface of a triangle, or kOpen.
     uint32_t closed_surface(uint32_t triangle) const { return closed_surface_[triangle]; }
-    bool has_closed_surfaces() const;
 
 private:
     const Scene* scene_;

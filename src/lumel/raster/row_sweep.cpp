@@ -1,118 +1,145 @@
 #include "lumel/raster/row_sweep.h"
 
 #include <bit>
+#include <limits>
 
 namespace lumel {
 
-void RowSweep::resize(uint32_t width) {
-    begins_.assign(width / 64 + 1, 0), events_.assign(width / 64 + 1, 0);
-    first_.resize(width);
-    spans_.clear(), line_.clear();
+void RowSweep::resize(uint32_t width, uint32_t patches) {
+    events_.assign(width / 64 + 1, 0), crossings_.assign(width / 64 + 1, 0);
+    first_begin_.assign(width + 1, kNone), first_end_.assign(width + 1, kNone);
+    lights_.resize(size_t{patches} + 2);
+
+    // Nothing sends nothing. It counts the lines: what it receives from behind is sent by the last patch of each, if there is one.
+    lights_[patches] = lights_[patches + 1] = {};
+    lights_[patches + 1].sent_against = PatchLight::Flow{0, 0, 0, 1};
+    spans_.resize(std::max<size_t>(spans_.size(), 2));
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    spans_[kFront] = {.depth_at_0 = -kFar, .end = kNone, .patch = patches, .parity = RowSpan::kOpenParity, .farther = kBehind};
+    spans_[kBehind] = {.depth_at_0 = kFar, .end = kNone, .patch = patches + 1, .parity = RowSpan::kOpenParity};
 }
 
-void RowSweep::add(uint32_t begin, const RowSpan& span) {
-    uint64_t& begins = begins_[begin / 64];
-    const uint64_t bit = uint64_t{1} << begin % 64;
-    spans_.push_back(span);
-    spans_.back().next = begins & bit ? first_[begin] : kNoSpan;
-    first_[begin] = static_cast<uint32_t>(spans_.size() - 1);
-    begins |= bit, events_[begin / 64] |= bit;
-    events_[span.end / 64] |= uint64_t{1} << span.end % 64;
+inline void RowSweep::part(RowSpan& near, uint32_t x) {
+    const RowSpan& far = spans_[near.farther];
+    exchange(lights_[near.patch], lights_[far.patch], x - near.since);
+    unturned_ -= near.faces_like(far);
 }
 
-void RowSweep::change(uint32_t x) {
-    // Drop what ends.
-    size_t kept = 0;
-    for (const RowSpan& span : line_) {
-        line_[kept] = span;
-        kept += span.end != x;
+inline void RowSweep::meet(RowSpan& near, uint32_t x) {
+    const RowSpan& far = spans_[near.farther];
+    near.since = x;
+    unturned_ += near.faces_like(far);
+    check_order(near, far, x);
+}
+
+inline void RowSweep::check_order(const RowSpan& near, const RowSpan& far, uint32_t x) {
+    const uint32_t last = std::min(near.end, far.end) - 1;
+    if (!(near.depth(last) < far.depth(last))) expect_crossing(near, far, x, last);
+}
+
+/// Note the first pixel from `x` to `last` at which `far` is before `near`.
+void RowSweep::expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t x, uint32_t last) {
+    // One of them may end right here, and is about to be removed.
+    if (last < x || near.is_before(far, last)) return;
+    while (x < last) {
+        const uint32_t middle = x + (last - x) / 2;
+        if (far.is_before(near, middle))
+            last = middle;
+        else
+            x = middle + 1;
     }
-    line_.resize(kept);
-    // Insert what begins.
-    if (!(begins_[x / 64] >> x % 64 & 1)) return;
-    for (uint32_t i = first_[x]; i != kNoSpan; i = spans_[i].next) {
-        size_t at = line_.size();
-        line_.push_back(spans_[i]);
-        for (; at > 0 && spans_[i].is_before(line_[at - 1], x); --at) line_[at] = line_[at - 1];
-        line_[at] = spans_[i];
+    events_[last / 64] |= uint64_t{1} << last % 64;
+    crossings_[last / 64] |= uint64_t{1} << last % 64;
+}
+
+/// Let a span take the place of another where it fits; most often they are of neighbours in a mesh.
+inline bool RowSweep::replace(uint32_t ending, uint32_t beginning, uint32_t x) {
+    RowSpan &old = spans_[ending], &span = spans_[beginning], &near = spans_[old.nearer], &far = spans_[old.farther];
+    const double depth = span.depth(x);
+    if (near.end == x || far.end == x || !(near.depth(x) < depth && depth < far.depth(x))) return false;
+    exchange(lights_[near.patch], lights_[old.patch], x - near.since);
+    exchange(lights_[old.patch], lights_[far.patch], x - old.since);
+    span.nearer = old.nearer, span.farther = old.farther;
+    near.farther = far.nearer = last_ = beginning;
+    near.since = span.since = x;
+    check_order(near, span, x), check_order(span, far, x);
+    if (span.parity != old.parity) {
+        unturned_ += near.faces_like(span) + span.faces_like(far) - near.faces_like(old) - old.faces_like(far);
+        balance_ += static_cast<int64_t>(span.parity & 3) - static_cast<int64_t>(old.parity & 3);
     }
+    return true;
+}
+
+void RowSweep::remove(uint32_t ending, uint32_t x) {
+    RowSpan &old = spans_[ending], &near = spans_[old.nearer];
+    part(near, x), part(old, x);
+    near.farther = old.farther, spans_[old.farther].nearer = last_ = old.nearer;
+    meet(near, x);
+    --depth_, balance_ -= static_cast<int64_t>(old.parity & 3) - 1;
+}
+
+void RowSweep::insert(uint32_t beginning, uint32_t x) {
+    // Look for its place from that of the last change on.
+    RowSpan& span = spans_[beginning];
+    uint32_t at = last_;
+    while (span.is_before(spans_[at], x)) at = spans_[at].nearer;
+    while (spans_[spans_[at].farther].is_before(span, x)) at = spans_[at].farther;
+    RowSpan& near = spans_[at];
+    part(near, x);
+    span.nearer = at, span.farther = near.farther;
+    near.farther = spans_[span.farther].nearer = last_ = beginning;
+    meet(near, x), meet(span, x);
+    counters_.most_depth = std::max(counters_.most_depth, ++depth_);
+    balance_ += static_cast<int64_t>(span.parity & 3) - 1;
 }
 
 void RowSweep::sort(uint32_t x) {
-    for (size_t i = 1; i < line_.size(); ++i) {
-        const RowSpan span = line_[i];
-        size_t at = i;
-        for (; at > 0 && span.is_before(line_[at - 1], x); --at) line_[at] = line_[at - 1];
-        line_[at] = span;
-    }
+    order_.clear();
+    for (uint32_t i = spans_[kFront].farther; i != kBehind; i = spans_[i].farther) order_.push_back(i);
+    for (uint32_t i = kFront; i != kBehind; i = spans_[i].farther) part(spans_[i], x);
+    std::sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) { return spans_[a].is_before(spans_[b], x); });
+    uint32_t near = kFront;
+    for (uint32_t i : order_) spans_[near].farther = i, spans_[i].nearer = near, near = i;
+    spans_[near].farther = kBehind, spans_[kBehind].nearer = near;
+    for (uint32_t i = kFront; i != kBehind; i = spans_[i].farther) meet(spans_[i], x);
 }
 
-uint32_t RowSweep::keep_order(uint32_t begin, uint32_t end) {
-    const auto is_sorted = [&](uint32_t x) {
-        bool sorted = true;
-        for (size_t i = 1; i < line_.size(); ++i) sorted &= line_[i - 1].depth(x) < line_[i].depth(x);
-        return sorted;
-    };
-    // Depths are linear, so an order that held before and holds at the end holds between.
-    if (is_sorted(end - 1)) return end;
-    sort(begin);
-    const auto keeps_order = [&](uint32_t x) {
-        bool sorted = true;
-        for (size_t i = 1; i < line_.size(); ++i) sorted &= line_[i - 1].is_before(line_[i], x);
-        return sorted;
-    };
-    while (!keeps_order(end - 1)) end = begin + (end - begin) / 2;
-    return end;
+inline void RowSweep::change(uint32_t x, uint32_t ending, uint32_t beginning) {
+    while (ending != kNone && beginning != kNone && replace(ending, beginning, x))
+        ending = spans_[ending].also_ends, beginning = spans_[beginning].also_begins;
+    for (; ending != kNone; ending = spans_[ending].also_ends) remove(ending, x);
+    for (; beginning != kNone; beginning = spans_[beginning].also_begins) insert(beginning, x);
 }
 
-void RowSweep::run(std::span<PatchLight> lights, SweepCounters& counters) {
-    PatchLight nothing;
-    __m256 escaped = _mm256_setzero_ps();
-    uint32_t x = 0;
-    const auto exchange = [&](uint32_t begin, uint32_t end) {
-        const uint32_t width = end - begin;
-        const __m256 w = _mm256_set1_ps(static_cast<float>(width));
-        const size_t depth = line_.size();
-        const PatchLight* before = &nothing;
-        PatchLight* here = &lights[line_[0].patch];
-        size_t balance = line_[0].facing & 3;
-        bool violated = false;
-        for (size_t i = 0; i + 1 < depth; ++i) {
-            PatchLight* behind = &lights[line_[i + 1].patch];
-            here->receive(*before, *behind, w);
-            violated |= line_[i].facing == line_[i + 1].facing;
-            balance += line_[i + 1].facing & 3;
-            before = here, here = behind;
-        }
-        here->receive(*before, nothing, w);
-        const __m256 out = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&lights[line_[0].patch].sent_against.red)),
-                                                _mm_load_ps(&here->sent_along.red), 1);
-        escaped = _mm256_add_ps(escaped, _mm256_mul_ps(out, w));
-        counters.lines += width;
-        counters.fragments += width * depth;
-        counters.most_depth = std::max(counters.most_depth, uint64_t{depth});
-        counters.parity_violations += violated || balance != depth ? width : 0;
-    };
+void RowSweep::run() {
+    spans_[kFront].since = 0;
+    last_ = kFront;
+    uint32_t before = 0;
     for (size_t word = 0; word < events_.size(); ++word) {
-        uint64_t bits = events_[word];
-        while (bits != 0) {
-            const auto next = static_cast<uint32_t>(word * 64 + static_cast<size_t>(std::countr_zero(bits)));
-            bits &= bits - 1;
-            while (!line_.empty() && x < next) {
-                const uint32_t end = keep_order(x, next);
-                exchange(x, end);
-                x = end;
-            }
-            x = next;
-            change(x);
+        while (const uint64_t events = events_[word]) {
+            const auto x = static_cast<uint32_t>(word) * 64 + static_cast<uint32_t>(std::countr_zero(events));
+            if ((balance_ | unturned_) != 0) counters_.parity_violations += x - before;
+            before = x;
+            change(x, std::exchange(first_end_[x], kNone), std::exchange(first_begin_[x], kNone));
+            const uint64_t bit = events & -events;
+            if (crossings_[word] & bit) sort(x);
+            events_[word] &= ~bit, crossings_[word] &= ~bit;
         }
-        events_[word] = 0;
     }
-    std::fill(begins_.begin(), begins_.end(), 0);
-    spans_.clear();
-    alignas(32) float out[8];
-    _mm256_store_ps(out, escaped);
-    counters.escaped += Rgb{out[0] + out[4], out[1] + out[5], out[2] + out[6]};
+    // What nothing received leaves the scene.
+    PatchLight &front = lights_[lights_.size() - 2], &behind = lights_.back();
+    counters_.escaped += PatchLight::colour(front.received_along);
+    counters_.escaped += PatchLight::colour(behind.received_against);
+    counters_.lines += static_cast<uint64_t>(PatchLight::count(behind.received_against));
+    front.received_along = behind.received_against = PatchLight::Flow{};
+}
+
+void RowSweep::count(SweepCounters& counters) {
+    counters_.fragments = fragments_;
+    counters_.pairs = counters_.fragments - counters_.lines;
+    counters += counters_;
+    counters_ = {};
+    fragments_ = 0;
 }
 
 }  // namespace lumel

@@ -1,8 +1,8 @@
-// One row of the window: which patches lie one behind the other, pixel by pixel, and the light that neighbours exchange.
+// One row of the window: which patches lie one behind the other, and the light that neighbours exchange.
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include "lumel/raster/patch_light.h"
@@ -10,42 +10,95 @@
 
 namespace lumel {
 
-/// The part of a row that a patch covers.
-struct RowSpan {
+/// The part of a row that a patch covers, and its place on the lines there.
+struct alignas(64) RowSpan {
     double depth_at_0 = 0, step = 0;  ///< whole numbers: the depth at pixel x is depth_at_0 + x step
     uint32_t end = 0;                 ///< the pixel after the last
     uint32_t patch = 0;
-    uint32_t next = 0;                ///< another span that begins at the same pixel, or kNoSpan
-    uint32_t facing = 0;              ///< equal for fragments that must not be neighbours; see RasterScene::facing
+    uint32_t parity = 0;                       ///< see kOpenParity
+    uint32_t also_begins = 0, also_ends = 0;   ///< another span that begins or ends at the same pixel
+    uint32_t nearer = 0, farther = 0;          ///< neighbours on the line
+    uint32_t since = 0;                        ///< pixel from which `farther` is the neighbour
 
-    double depth(uint32_t x) const { return depth_at_0 + step * x; }
+    double depth(uint32_t x) const { return depth_at_0 + step * static_cast<int32_t>(x); }
+    /// Equal depths are told apart by the number of the patch.
     bool is_before(const RowSpan& other, uint32_t x) const {
         const double a = depth(x), b = other.depth(x);
         return a != b ? a < b : patch < other.patch;
     }
+
+    /// How a patch counts in the parity of lines: even for closed surfaces, equal for those of one that face the same way. The two lowest
+    /// bits sum to the number of patches on a line where the fronts of closed surfaces are as many as the backs.
+    static constexpr uint32_t kOpenParity = 1;
+    static uint32_t closed_parity(uint32_t surface, bool front_along) { return surface * 4 + (front_along ? 2 : 0); }
+    /// Are they of one closed surface and face the same way?
+    bool faces_like(const RowSpan& other) const { return parity == other.parity && parity % 2 == 0; }
 };
 
-/// Walks along a row from one begin or end of a span to the next. Between them the same patches are met in the same order, unless two
-/// cross, so that all pixels there exchange at once.
+/// Walks along a row from one begin or end of a span to the next, and keeps the list of the spans of the present pixel, by depth.
+/// Neighbours exchange light once, when they part, over all pixels at which they were neighbours. Depths are linear along the row and
+/// exact, so two spans change places at most once, at a pixel that is known as soon as they meet.
 class RowSweep {
 public:
-    /// Forget all spans, and be ready for rows of `width` pixels.
-    void resize(uint32_t width);
-    /// Take a span that begins at pixel `begin` and is not empty.
-    void add(uint32_t begin, const RowSpan& span);
-    /// Exchange light along the row, then forget its spans. `lights` has one entry a patch.
-    void run(std::span<PatchLight> lights, SweepCounters& counters);
+    /// Be ready for windows of `width` pixels a row, and the light of `patches` patches.
+    void resize(uint32_t width, uint32_t patches);
+    /// Light of a patch; to be set before the first row, and read after the last.
+    PatchLight& light(uint32_t patch) { return lights_[patch]; }
+
+    /// Be ready for a row of at most `spans` spans.
+    void begin_row(size_t spans) {
+        if (spans_.size() < spans + 2) spans_.resize(spans + 2);
+        size_ = 2;
+    }
+    /// Take the span from pixel `begin` to before `end`.
+    void add(uint32_t begin, uint32_t end, double depth_at_0, double step, uint32_t patch, uint32_t parity) {
+        RowSpan& span = spans_[size_];
+        span.depth_at_0 = depth_at_0, span.step = step;
+        span.end = end, span.patch = patch, span.parity = parity;
+        span.also_begins = chain(first_begin_, begin), span.also_ends = chain(first_end_, end);
+        fragments_ += end - begin;
+        ++size_;
+    }
+    /// Exchange light along the row.
+    void run();
+    /// Add to `counters` what was met since the last call.
+    void count(SweepCounters& counters);
+    size_t bytes() const {
+        return lights_.capacity() * sizeof(PatchLight) + spans_.capacity() * sizeof(RowSpan) +
+               first_begin_.capacity() * 2 * sizeof(uint32_t);
+    }
 
 private:
-    static constexpr uint32_t kNoSpan = 0xffffffffu;
+    static constexpr uint32_t kFront = 0, kBehind = 1;  // spans before and behind all others: those who see them see nothing
+    static constexpr uint32_t kNone = 0xffffffffu;
 
-    void change(uint32_t x);
+    /// Put the new span at the head of the list of pixel `x`; gives the one that was there.
+    uint32_t chain(std::vector<uint32_t>& first, uint32_t x) {
+        events_[x / 64] |= uint64_t{1} << x % 64;
+        return std::exchange(first[x], size_);
+    }
+    void change(uint32_t x, uint32_t ending, uint32_t beginning);
+    bool replace(uint32_t ending, uint32_t beginning, uint32_t x);
+    void remove(uint32_t ending, uint32_t x);
+    void insert(uint32_t beginning, uint32_t x);
     void sort(uint32_t x);
-    uint32_t keep_order(uint32_t begin, uint32_t end);
+    void part(RowSpan& near, uint32_t x);
+    void meet(RowSpan& near, uint32_t x);
+    void check_order(const RowSpan& near, const RowSpan& far, uint32_t x);
+    void expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t x, uint32_t last);
 
-    std::vector<uint64_t> begins_, events_;  // one bit a pixel
-    std::vector<uint32_t> first_;            // span that begins at a pixel, where begins_ says so
-    std::vector<RowSpan> spans_, line_;      // of the row; of the present pixel, by depth
+    std::vector<PatchLight> lights_;  // and those of kFront and kBehind
+    std::vector<uint64_t> events_, crossings_;  // one bit a pixel: something changes there; neighbours change places
+    std::vector<uint32_t> first_begin_, first_end_;  // span that begins or ends at a pixel, or kNone
+    std::vector<RowSpan> spans_;
+    std::vector<uint32_t> order_;
+    uint32_t size_ = 0;  // of spans_, those in use
+    uint32_t last_ = 0;  // span of the line that was touched last
+
+    uint64_t depth_ = 0;
+    int64_t balance_ = 0, unturned_ = 0;  // of the line: spans, fronts - backs of closed surfaces, neighbours that face alike
+    uint64_t fragments_ = 0;
+    SweepCounters counters_;
 };
 
 }  // namespace lumel

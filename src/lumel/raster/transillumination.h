@@ -1,17 +1,18 @@
 // The transillumination buffer ([WIS] 3.2): all patches along one direction at once, every line of the window with all that it meets.
 #pragma once
 
-#include "lumel/raster/projection.h"
 #include "lumel/raster/raster_scene.h"
-#include "lumel/raster/row_sweep.h"
-#include "lumel/raster/scan_patch.h"
-#include "lumel/raster/sweep_counters.h"
+#include "lumel/raster/scan_patches.h"
 
 namespace lumel {
 
 /// Rasterises the scene and exchanges light along its lines. Coverage is exact: a pixel on the shared edge of two patches belongs to one of
-/// them, also where the triangles are divided unequally. Faces seen edge-on, needles, patches that coincide or cross, and open
-/// surfaces are all right. Equal depths are told apart by the number of the patch. Holds scratch memory: one object a thread.
+/// them, also where the triangles are divided unequally; for that their vertices must be in the same places. Where a vertex lies on the
+/// edge of another triangle, a gap or overlap of half a subpixel is possible, as it is for rays. Faces seen edge-on, needles, patches that
+/// coincide or cross, and open surfaces are all right. Equal depths are told apart by the number of the patch. A sheet thinner than a
+/// subpixel or two may fold over itself when its corners are snapped; its lines then cross it three times, in turn.
+///
+/// Holds scratch memory, which grows with the patches and with the spans of one row: one object a thread.
 class Transillumination {
 public:
     /// `scene` must outlive it.
@@ -27,17 +28,27 @@ public:
     void exchange(const Window& window, std::span<const Rgb> sent, std::span<Rgb> received, std::span<uint32_t> pixels,
                   SweepCounters& counters);
 
-private:
-    const RasterScene* scene_;
-    void prepare(const Window& window, std::span<const Rgb> sent);
-    ScanPatch scan_patch(uint32_t patch) const;
+    /// Memory that it holds, in bytes.
+    size_t bytes() const;
 
+private:
+    void prepare(const Window& window);
+    void enqueue(uint32_t triangle, const std::array<SnappedVertex, 3>& corners);
+    void begin_patches(uint32_t row, std::span<const Rgb> sent);
+    void collect(std::span<Rgb> received, std::span<uint32_t> pixels);
+    std::array<SnappedVertex, 3> corners(uint32_t triangle) const {
+        const auto& [a, b, c] = scene_->scene().indices()[triangle];
+        return {vertices_[a], vertices_[b], vertices_[c]};
+    }
+
+    const RasterScene* scene_;
     std::vector<SnappedVertex> vertices_;
-    std::vector<PatchLight> lights_;
-    std::vector<uint32_t> first_row_, by_row_, first_of_row_, facing_;
-    std::vector<uint8_t> front_along_;
-    std::vector<ScanPatch> active_;
-    RowSweep row_;
+    std::vector<int64_t> turns_;  // of each triangle
+    std::vector<uint32_t> first_row_;  // of each patch, or the number of rows where it has none
+    std::vector<uint32_t> first_of_row_, by_row_;  // patches in the order of their first rows, and where those of a row begin
+    std::vector<int32_t> lattice_rows_;
+    ScanPatches active_;
+    RowSweep sweep_;
 };
 
 }  // namespace lumel

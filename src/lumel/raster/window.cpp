@@ -35,7 +35,7 @@ Window Window::covering(const Scene& scene, Vec3 direction, uint32_t resolution,
 
 Vec3 Window::start_of_line(uint32_t x, uint32_t y) const {
     const auto metres = [&](uint32_t pixel, float shift) {
-        return static_cast<float>((pixel - (0.5 * (resolution - 1) - 0.5) - double{shift}) / pixels_per_metre);
+        return static_cast<float>((pixel - middle() - double{shift}) / pixels_per_metre);
     };
     return centre + right * metres(x, jitter.u) + up * metres(y, jitter.v) - direction * radius;
 }

@@ -31,13 +31,13 @@ struct Window {
     Vec3 start_of_line(uint32_t x, uint32_t y) const;
 
 private:
+    /// Where the centre of the scene is without jitter: half a pixel before the middle, as jitter adds half a pixel on average.
+    double middle() const { return 0.5 * resolution - 1; }
     double along(Vec3 p, Vec3 axis) const {
         return (double{p.x} - double{centre.x}) * double{axis.x} + (double{p.y} - double{centre.y}) * double{axis.y} +
                (double{p.z} - double{centre.z}) * double{axis.z};
     }
-    double place(Vec3 p, Vec3 axis, float shift) const {
-        return along(p, axis) * pixels_per_metre + (0.5 * (resolution - 1) - 0.5) + double{shift};
-    }
+    double place(Vec3 p, Vec3 axis, float shift) const { return along(p, axis) * pixels_per_metre + middle() + double{shift}; }
 };
 
 }  // namespace lumel

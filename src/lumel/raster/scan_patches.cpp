@@ -1,0 +1,98 @@
+#include "lumel/raster/scan_patches.h"
+
+namespace lumel {
+
+void ScanPatches::push(const PatchOutline& outline, const DepthPlane& plane, uint32_t patch, uint32_t parity) {
+    // Order the corners by height; where two are equally high, either order gives the same rows.
+    auto [a, b, c] = outline.corners;
+    if (b.y < a.y) std::swap(a, b);
+    if (c.y < b.y) std::swap(b, c);
+    if (b.y < a.y) std::swap(a, b);
+    const double pixel = outline.pixel;
+    const int32_t row = first_row(a.y, pixel), middle = first_row(b.y, pixel), end = first_row(c.y, pixel);
+
+    if (size_ == fours_.size() * kLanes) fours_.emplace_back();
+    Four& four = fours_[size_ / kLanes];
+    const uint32_t lane = size_++ % kLanes;
+
+    // The long edge is on one side, on the other the lower edge and then the upper one.
+    const bool long_is_left = (b.x - a.x) * (c.y - a.y) > (c.x - a.x) * (b.y - a.y);
+    const uint32_t short_side = long_is_left ? kRight : kLeft;
+    four.set_edge(1 - short_side, lane, Edge(a, c, row, pixel));
+    four.upper[lane] = Edge(b, c, middle, pixel);
+    four.set_edge(short_side, lane, row < middle ? Edge(a, b, row, pixel) : four.upper[lane]);
+    four.next_change[lane] = row < middle ? middle : end;
+    four.end_row[lane] = end;
+    four.short_side[lane] = short_side, four.patch[lane] = patch, four.parity[lane] = parity;
+
+    four.x[lane] = plane.x, four.y[lane] = plane.y, four.depth[lane] = plane.depth;
+    four.slope_x[lane] = plane.slope_x, four.slope_y[lane] = plane.slope_y, four.step[lane] = plane.step;
+    four.lowest[lane] = plane.lowest, four.highest[lane] = plane.highest;
+}
+
+/// Find what a row covers of the patches, and go on to the next. Every statement is one for all lanes.
+inline void ScanPatches::Four::cross(double row, FourSpans& spans) {
+    Lanes first = numerator[kLeft] / denominator[kLeft], after = numerator[kRight] / denominator[kRight];
+    round_up(first), round_up(after);
+    numerator[kLeft] += growth[kLeft], numerator[kRight] += growth[kRight];
+
+    // Depths of the first pixels, and what they grow by; single pixels may have any slope, so they get none.
+    Lanes at = depth + slope_y * (row - y) + slope_x * (first - x);
+    at = at > lowest ? at : lowest;
+    at = at < highest ? at : highest;
+    round(at);
+    spans.step = after - first > 1 ? step : Lanes{};
+    spans.depth_at_0 = at - spans.step * first;
+    spans.begin = __builtin_convertvector(first, Pixels), spans.end = __builtin_convertvector(after, Pixels);
+}
+
+void ScanPatches::scan(int32_t row, RowSweep& sweep) {
+    sweep.begin_row(size_);
+    Pixels changes{};
+    for (uint32_t first = 0; first < size_; first += kLanes) {
+        Four& four = fours_[first / kLanes];
+        FourSpans spans;
+        four.cross(row, spans);
+        const uint32_t lanes = std::min(kLanes, size_ - first);
+        for (uint32_t k = 0; k < lanes; ++k)
+            if (spans.begin[k] < spans.end[k])
+                sweep.add(static_cast<uint32_t>(spans.begin[k]), static_cast<uint32_t>(spans.end[k]), spans.depth_at_0[k], spans.step[k],
+                          four.patch[k], four.parity[k]);
+        changes = changes | (four.next_change == row + 1);
+    }
+    if ((changes[0] | changes[1] | changes[2] | changes[3]) == 0) return;
+
+    // Edges and patches end; the last patch takes the place of one that does.
+    for (uint32_t i = 0; i < size_;) {
+        Four& four = fours_[i / kLanes];
+        const uint32_t lane = i % kLanes;
+        if (four.next_change[lane] != row + 1) {
+            ++i;
+            continue;
+        }
+        if (four.end_row[lane] == row + 1) {
+            --size_;
+            four.copy(lane, fours_[size_ / kLanes], size_ % kLanes);
+            continue;
+        }
+        four.set_edge(four.short_side[lane], lane, four.upper[lane]);
+        four.next_change[lane] = four.end_row[lane];
+        ++i;
+    }
+}
+
+void ScanPatches::Four::copy(uint32_t to, const Four& other, uint32_t from) {
+    for (size_t side : {kLeft, kRight}) {
+        numerator[side][to] = other.numerator[side][from];
+        growth[side][to] = other.growth[side][from];
+        denominator[side][to] = other.denominator[side][from];
+    }
+    for (Lanes Four::* lanes :
+         {&Four::x, &Four::y, &Four::depth, &Four::slope_x, &Four::slope_y, &Four::lowest, &Four::highest, &Four::step})
+        (this->*lanes)[to] = (other.*lanes)[from];
+    upper[to] = other.upper[from];
+    next_change[to] = other.next_change[from], end_row[to] = other.end_row[from];
+    short_side[to] = other.short_side[from], patch[to] = other.patch[from], parity[to] = other.parity[from];
+}
+
+}  // namespace lumel

@@ -1,0 +1,69 @@
+// The patches that cross the present row of the window, four side by side.
+#pragma once
+
+#include "lumel/raster/patch_outline.h"
+#include "lumel/raster/row_sweep.h"
+
+namespace lumel {
+
+/// Follows the edges of patches from row to row. A pixel belongs to a patch if its centre is inside; a centre exactly on an edge is taken
+/// as if it were moved a little to the right, and far less up: the top-left rule. All is computed in whole numbers below 2^53 held in
+/// doubles; see first_row for why that is exact.
+class ScanPatches {
+public:
+    void clear() { size_ = 0; }
+    size_t bytes() const { return fours_.capacity() * sizeof(Four); }
+
+    /// Take a patch from its first row on.
+    void push(const PatchOutline& outline, const DepthPlane& plane, uint32_t patch, uint32_t parity);
+    /// Add the spans of all patches in `row` to `sweep`, and go on to the next row.
+    void scan(int32_t row, RowSweep& sweep);
+
+private:
+    static constexpr uint32_t kLanes = 4;
+    static constexpr size_t kLeft = 0, kRight = 1;
+
+    /// Where an edge from `a` up to `b` crosses a row is numerator / denominator, in pixels.
+    struct Edge {
+        double numerator = 0, growth = 0, denominator = 1;
+
+        Edge() = default;
+        Edge(PatchOutline::Corner a, PatchOutline::Corner b, int32_t row, double pixel)
+            : numerator(a.x * (b.y - a.y) + (b.x - a.x) * (row * pixel - a.y)),
+              growth((b.x - a.x) * pixel),
+              denominator((b.y - a.y) * pixel) {}
+    };
+    using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
+    using Pixels = int32_t __attribute__((vector_size(kLanes * sizeof(int32_t))));
+    struct FourSpans {
+        Pixels begin, end;
+        Lanes depth_at_0, step;
+    };
+    struct Four {
+        Lanes numerator[2]{}, growth[2]{}, denominator[2]{Lanes{1, 1, 1, 1}, Lanes{1, 1, 1, 1}};
+        Lanes x{}, y{}, depth{}, slope_x{}, slope_y{}, lowest{}, highest{}, step{};  // of the planes
+        Edge upper[kLanes];                                           // follows on the side that has two edges
+        Pixels next_change{}, end_row{};
+        uint32_t short_side[kLanes] = {}, patch[kLanes] = {}, parity[kLanes] = {};
+
+        void set_edge(uint32_t side, uint32_t lane, const Edge& edge) {
+            numerator[side][lane] = edge.numerator, growth[side][lane] = edge.growth, denominator[side][lane] = edge.denominator;
+        }
+        void cross(double row, FourSpans& spans);
+        void copy(uint32_t to, const Four& other, uint32_t from);
+    };
+
+    /// To the nearest whole number; |v| < 2^51, so that the sum has no room for fractions.
+    static void round(Lanes& v) { v = (v + 0x1.8p52) - 0x1.8p52; }
+    /// To the least whole number that is not below v.
+    static void round_up(Lanes& v) {
+        const Lanes given = v;
+        round(v);
+        v = v < given ? v + 1 : v;
+    }
+
+    std::vector<Four> fours_;
+    uint32_t size_ = 0;
+};
+
+}  // namespace lumel
