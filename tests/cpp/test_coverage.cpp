@@ -56,8 +56,8 @@ Coverage coverage(const Stage& stage, Vec3 eye, const CoverageRun& run) {
             areas.measure({.transfers = transfers, .sight = generation.sight});
             rays_measured += static_cast<double>(transfers.rays);
             for (uint32_t area = 0; area < areas.size(); ++area)
-                for (uint32_t i : transfers.group(areas.sides()[area])) {
-                    const double value = g_of(scene, transfers.all[i], eye) * static_cast<double>(transfers.rays);
+                for (const Transfer& transfer : transfers.group(areas.sides()[area])) {
+                    const double value = g_of(scene, transfer, eye) * static_cast<double>(transfers.rays);
                     sum[area] += value, squares[area] += value * value;
                 }
         };

@@ -42,6 +42,7 @@ struct HitBlock {
     alignas(32) std::array<int32_t, RayBlock::kMost> back;
 
     Hit operator[](uint32_t i) const { return {triangle[i], u[i], v[i], back[i] != 0}; }
+    void set(uint32_t i, const Hit& hit) { triangle[i] = hit.triangle, u[i] = hit.u, v[i] = hit.v, back[i] = hit.back; }
 };
 
 /// Flush denormals on this thread while it traces, as Embree wants.

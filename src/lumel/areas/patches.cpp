@@ -63,8 +63,7 @@ void PatchAreas::measure_shot(const Step& step, uint32_t area) {
     const uint32_t side = sides_[area], triangle = scene_->triangle_of_side(side);
     const bool back = scene_->is_back(side);
     const float gather_density = static_cast<float>(step.gather) / scene_->side_area(side);
-    for (uint32_t i : step.transfers.group(side)) {
-        const Transfer& transfer = step.transfers.all[i];
+    for (const Transfer& transfer : step.transfers.group(side)) {
         const Surface x(*scene_, {triangle, transfer.u, transfer.v}, back);
         const Frame frame(x.shading);
         const Vec3 wi = frame.to_local(transfer.wi);

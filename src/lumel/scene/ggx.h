@@ -35,12 +35,13 @@ struct LobeAndDensity {
 /// By cosines, so that no local frame is needed: of `w` and `other` to the normal, and `across2`, the squared length of the part of
 /// w + other that is perpendicular to the normal.
 inline LobeAndDensity eval_with_pdf(float cos_w, float cos_other, float across2, float alpha) {
+    const float above = std::min(cos_w, cos_other) > 0 ? 1.0f : 0.0f;
     const float a2 = alpha * alpha, along2 = sqr(cos_w + cos_other), h2 = across2 + along2;
-    // D G1(w) / (4 cos_w), with G1(c)/c = 2 / (c + sqrt(a2 + (1 - a2) c^2)), and the quotient by h2 in D multiplied out.
-    const float density = 0.5f * kInvPi * a2 * sqr(h2 / (across2 + a2 * along2)) / (cos_w + std::sqrt(a2 + (1 - a2) * cos_w * cos_w));
-    const float masking = 2 / (cos_other + std::sqrt(a2 + (1 - a2) * cos_other * cos_other));
-    const bool above = cos_w > 0 && cos_other > 0;
-    return {above ? density * masking : 0.0f, above ? density : 0.0f, 0.5f * std::sqrt(h2)};
+    // G1(c)/c = 2 / (c + sqrt(a2 + (1 - a2) c^2)); below the horizon anything finite will do.
+    const auto masking = [&](float cos) { return 2 / (std::max(cos, 0.0f) + std::sqrt(a2 + (1 - a2) * cos * cos)); };
+    // D G1(w) / (4 cos_w), with the quotient by h2 in D multiplied out.
+    const float density = above * 0.25f * kInvPi * a2 * sqr(h2 / (across2 + a2 * along2)) * masking(cos_w);
+    return {density * masking(cos_other), density, 0.5f * std::sqrt(h2)};
 }
 
 /// Draw a microfacet normal visible from `w` (Dupuy and Benyoub 2023: spherical caps).

@@ -8,6 +8,8 @@ namespace {
 
 enum Stream : uint64_t { kPoint = 1, kDirection, kOffset = 4 };
 
+constexpr float kMostInvPdf = 1e30f;  // m2 sr; what is drawn less often than that carries no sample
+
 }  // namespace
 
 /// The rays that are launched together, and a random point and direction for each.
@@ -100,12 +102,18 @@ void Launcher::leave(Block& block, uint32_t i) {
     source_->evaluate(rays);
     const Vec3 normal = source_->normal(), offset = normal * shot_.scene.epsilon();
     const float defensive = shot_.defensive_density(source_->side());
-    for (uint32_t k = 0; k < rays.size; ++k) {
+    const Rgb behind_mirror = source_->behind_mirror();
+    Flights& flights = block.flights;
+    const uint32_t count = rays.size;
+    for (uint32_t k = 0; k < count; ++k) {
         const Vec3 w = rays.w[k];
         const float cos = dot(normal, w), density = rays.pdf_aw[k] + defensive * cos;
         // cos(theta_y) / (n p_y): étendue keeps it to where the ray ends ([WIS] 3.1, with its cosine).
-        const float inv_pdf = cos > 1e-6f && density > 1e-30f ? cos / density : 0.0f;
-        block.set(i + k, {rays.y[k] + offset, w}, rays.radiance[k] * inv_pdf, source_->behind_mirror() * inv_pdf, inv_pdf);
+        const float quotient = cos / density, inv_pdf = cos > 1e-6f && quotient < kMostInvPdf ? quotient : 0.0f;
+        flights.rays.origin.set(i + k, rays.y[k] + offset), flights.rays.direction.set(i + k, w);
+        flights.flux.set(i + k, rays.radiance[k] * inv_pdf), flights.behind_mirror.set(i + k, behind_mirror * inv_pdf);
+        flights.inv_pdf[i + k] = inv_pdf;
+        flights.rays.traced[i + k] = inv_pdf > 0 ? -1 : 0;
     }
 }
 

@@ -29,24 +29,15 @@ struct Lost {
     void add(Rgb f) { ++rays, flux += double{lum(f)}; }
 };
 
-/// The end of a flight on `side`; nothing where it neither carries light nor counts for a density.
-Transfer arrive(const Scene& scene, const Hit& hit, const Flight& flight) {
-    if (flight.inv_pdf == 0 && max_component(flight.flux) == 0) return {};
-    return {scene.side_of(hit.point(), hit.back), hit.u, hit.v, -flight.ray.direction, flight.flux, flight.inv_pdf};
-}
-
-/// Follow a flight that met `hit` over perfect mirrors to the side where it is measured. Choosing between a surface's mirror and the rest
-/// of it, and roulette, multiply the density.
-Transfer follow(const Shot& shot, Flight flight, Hit hit, uint32_t ray, Lost& lost) {
+/// Follow a flight that met `hit` over perfect mirrors to what it meets behind them. Choosing between a surface's mirror and the rest of
+/// it, and roulette, multiply the density. Gives whether the flight goes on to `hit`.
+bool pass_mirrors(const Shot& shot, uint32_t ray, Flight& flight, Hit& hit) {
     const Scene& scene = shot.scene;
     std::optional<Rng> rng;
     for (int mirrors = 0; mirrors < kMostMirrors; ++mirrors) {
-        if (hit.is_miss()) {
-            lost.add(flight.flux);
-            return {};
-        }
+        if (hit.is_miss()) return true;
         const Material& material = scene.material(hit.triangle);
-        if (!material.is_mirror() || (hit.back && !material.two_sided)) return arrive(scene, hit, flight);
+        if (!material.is_mirror() || (hit.back && !material.two_sided)) return true;
 
         // Decide between the mirror and the rest. Light over a partial mirror has a second way into the same transfer, from the
         // surface's own lobes, whose density is not known here: it goes outside the ratios.
@@ -57,36 +48,47 @@ Transfer follow(const Shot& shot, Flight flight, Hit hit, uint32_t ray, Lost& lo
             const bool mirrored = rng->uniform() < choice;
             const float scale = 1 / (mirrored ? choice : 1 - choice);
             flight.flux *= scale, flight.behind_mirror *= scale, flight.inv_pdf *= mirrored ? 0 : scale;
-            if (!mirrored) return arrive(scene, hit, flight);
+            if (!mirrored) return true;
         }
         const Vec3 wi = -flight.ray.direction;
         const float cos = dot(m.shading, wi);
         const Vec3 out = reflect(wi, m.shading);
-        if (!(cos > 0) || !(dot(out, m.normal) > 0)) return {};
+        if (!(cos > 0) || !(dot(out, m.normal) > 0)) return false;
         const Rgb tint = material.mirror_reflectance(cos);
         const float survive = std::min(1.0f, max_component(tint));
-        if (!(rng->uniform() < survive)) return {};
+        if (!(rng->uniform() < survive)) return false;
         flight.flux = (flight.flux + flight.behind_mirror) * tint * (1 / survive);
         flight.behind_mirror = {};
         flight.inv_pdf /= survive;
         flight.ray = {m.off(scene.epsilon()), out};
         hit = shot.accel.intersect(flight.ray);
     }
-    return {};
+    return false;
 }
 
-/// Write the ends of a block of flights to `ends`, one for each.
-Lost land(const Shot& shot, const Flights& flights, const HitBlock& hits, uint32_t first, Transfer* ends) {
-    Lost lost;
-    const bool mirrors = shot.scene.has_mirrors();
+/// The same for all flights of a block; `first` is the index of its first ray.
+void pass_mirrors(const Shot& shot, uint32_t first, Flights& flights, HitBlock& hits) {
     for (uint32_t i = 0; i < flights.rays.size; ++i) {
-        const Flight flight{flights.rays[i], flights.flux[i], flights.behind_mirror[i], flights.inv_pdf[i]};
-        if (!flights.rays.traced[i])
-            ends[i] = {};
-        else if (mirrors || hits[i].is_miss())
-            ends[i] = follow(shot, flight, hits[i], first + i, lost);
-        else
-            ends[i] = arrive(shot.scene, hits[i], flight);
+        if (!flights.rays.traced[i]) continue;
+        Flight flight{flights.rays[i], flights.flux[i], flights.behind_mirror[i], flights.inv_pdf[i]};
+        Hit hit = hits[i];
+        if (!pass_mirrors(shot, first + i, flight, hit)) flights.rays.traced[i] = 0;
+        flights.rays.direction.set(i, flight.ray.direction);
+        flights.flux.set(i, flight.flux), flights.inv_pdf[i] = flight.inv_pdf;
+        hits.set(i, hit);
+    }
+}
+
+/// Write the ends of a block of flights, whose first ray has the index `first`. Gives what left the scene.
+Lost land(const Scene& scene, const Flights& flights, const HitBlock& hits, uint32_t first, Transfers& transfers) {
+    Lost lost;
+    for (uint32_t i = 0; i < flights.rays.size; ++i) {
+        const bool flies = flights.rays.traced[i] != 0, misses = hits.triangle[i] == Hit::kMiss;
+        if (flies && misses) lost.add(flights.flux[i]);
+        // Nothing arrives where light is neither carried nor counts for a density.
+        const bool arrives = flies && !misses && (flights.inv_pdf[i] > 0 || max_component(flights.flux[i]) > 0);
+        const uint32_t side = arrives ? scene.side_of(hits[i].point(), hits.back[i] != 0) : Transfer::kLost;
+        transfers.set(first + i, {side, hits.u[i], hits.v[i], -flights.rays.direction[i], flights.flux[i], flights.inv_pdf[i]});
     }
     return lost;
 }
@@ -95,7 +97,7 @@ Lost land(const Shot& shot, const Flights& flights, const HitBlock& hits, uint32
 
 void shoot(const Shot& shot, Transfers& transfers) {
     const uint32_t rays = shot.rays(), blocks = (rays + kBlock - 1) / kBlock;
-    transfers.all.resize(rays);
+    transfers.resize(rays);
     transfers.rays = shot.from_power + shot.from_defensive;
     std::vector<Lost> lost(blocks);
 
@@ -107,7 +109,8 @@ void shoot(const Shot& shot, Transfers& transfers) {
         HitBlock hits;
         Launcher{shot}(first, std::min(kBlock, rays - first), flights);
         shot.accel.intersect(flights.rays, hits);
-        lost[block] = land(shot, flights, hits, first, transfers.all.data() + first);
+        if (shot.scene.has_mirrors()) pass_mirrors(shot, first, flights, hits);
+        lost[block] = land(shot.scene, flights, hits, first, transfers);
     });
     transfers.escaped = 0, transfers.lost_flux = 0;
     for (const Lost& part : lost) transfers.escaped += part.rays, transfers.lost_flux += part.flux;

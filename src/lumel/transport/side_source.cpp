@@ -2,16 +2,6 @@
 
 namespace lumel {
 
-namespace {
-
-/// What the specular lobe makes of a record at one point and direction: f, and the density of drawing it.
-ggx::LobeAndDensity lobe_of(Vec3 wi, float cos_i, Vec3 shading, Vec3 w, float cos_o, float alpha) {
-    const Vec3 h = wi + w, across = h - shading * (cos_i + cos_o);
-    return ggx::eval_with_pdf(cos_i, cos_o, dot(across, across), alpha);
-}
-
-}  // namespace
-
 SideSource::SideSource(const Scene& scene, const Emitters& emitters, uint32_t side, double rays_per_watt)
     : scene_(&scene),
       material_(&scene.material(scene.triangle_of_side(side))),
@@ -75,53 +65,61 @@ void SideSource::draw_lobe(Leaving& rays, uint32_t from) const {
     }
     // What points below the shading normal's horizon has no density: it is lost even where it is above the surface.
     const float alpha = material_->alpha;
-    for (uint32_t i = from; i < rays.size; ++i) {
+    const Vec3 below = -normal_;
+    const uint32_t count = rays.size;
+    for (uint32_t i = from; i < count; ++i) {
         const Frame frame(rays.shading[i]);
         const Vec3 wi = frame.to_local(from_wi[i]), wo = ggx::sample(wi, alpha, {rays.direction_u[i], rays.direction_v[i]});
         const bool above = wi.z > 0 && wo.z > 0;
         const Vec3 w = frame.to_world(wo);
-        rays.w.set(i, {above ? w.x : -normal_.x, above ? w.y : -normal_.y, above ? w.z : -normal_.z});
+        rays.w.set(i, {above ? w.x : below.x, above ? w.y : below.y, above ? w.z : below.z});
     }
 }
 
 void SideSource::evaluate(Leaving& rays) const {
+    const uint32_t count = rays.size;
     Leaving::Floats cos_o;
-    for (uint32_t i = 0; i < rays.size; ++i) {
+    for (uint32_t i = 0; i < count; ++i) {
         const Vec3 w = rays.w[i];
         cos_o[i] = dot(rays.shading[i], w);
         rays.radiance.set(i, diffuse_);
         rays.pdf_aw[i] = cosine_power_ * kInvPi * std::max(0.0f, dot(normal_, w));
     }
     if (max_component(homogeneous_) > 0)
-        for (uint32_t i = 0; i < rays.size; ++i)
+        for (uint32_t i = 0; i < count; ++i)
             rays.radiance.set(i, diffuse_ + homogeneous_ * (Rgb{1, 1, 1} - material_->diffuse - material_->albedo_s(cos_o[i])));
-    for (const Record& record : records_) {
-        if (!(record.power > 0)) continue;
-        const Rgb flux = material_->specular * record.flux * (1 / area_);
-        const bool fresnel = material_->fresnel.any;
-        for (uint32_t i = 0; i < rays.size; ++i) {
-            const Vec3 shading = rays.shading[i];
-            const ggx::LobeAndDensity lobe = lobe_of(record.wi, dot(shading, record.wi), shading, rays.w[i], cos_o[i], material_->alpha);
-            const Rgb radiance = flux * lobe.f;
-            rays.radiance.set(i, rays.radiance[i] + (fresnel ? radiance * material_->fresnel(lobe.cos_h) : radiance));
-            rays.pdf_aw[i] += record.power * lobe.pdf_w;
-        }
+    for (const Record& record : records_)
+        if (record.power > 0) add(record, cos_o, rays);
+    for (uint32_t i = 0; i < count; ++i) rays.pdf_aw[i] *= density_;
+}
+
+/// Add the specular lobe around a record: f flux / A, and the share that the lobe has in the density.
+void SideSource::add(const Record& record, const Leaving::Floats& cos_o, Leaving& rays) const {
+    const uint32_t count = rays.size;
+    const Vec3 wi = record.wi;
+    const float alpha = material_->alpha, power = record.power;
+    Leaving::Floats f, cos_h;
+    for (uint32_t i = 0; i < count; ++i) {
+        const Vec3 shading = rays.shading[i];
+        const float cos_i = dot(shading, wi);
+        const Vec3 across = wi + rays.w[i] - shading * (cos_i + cos_o[i]);
+        const ggx::LobeAndDensity lobe = ggx::eval_with_pdf(cos_i, cos_o[i], dot(across, across), alpha);
+        f[i] = lobe.f, cos_h[i] = lobe.cos_h;
+        rays.pdf_aw[i] += power * lobe.pdf_w;
     }
-    for (uint32_t i = 0; i < rays.size; ++i) rays.pdf_aw[i] *= density_;
+    const Rgb flux = material_->specular * record.flux * (1 / area_);
+    if (material_->fresnel.any)
+        for (uint32_t i = 0; i < count; ++i) rays.radiance.set(i, rays.radiance[i] + flux * material_->fresnel(cos_h[i]) * f[i]);
+    else
+        for (uint32_t i = 0; i < count; ++i) rays.radiance.set(i, rays.radiance[i] + flux * f[i]);
 }
 
 SideSource::Emission SideSource::evaluate(Vec3 shading, Vec3 w) const {
-    const float cos_o = dot(shading, w);
-    Emission e{diffuse_, behind_mirror_, cosine_power_ * kInvPi * std::max(0.0f, dot(normal_, w))};
-    if (max_component(homogeneous_) > 0) e.radiance += homogeneous_ * (Rgb{1, 1, 1} - material_->diffuse - material_->albedo_s(cos_o));
-    for (const Record& record : records_) {
-        if (!(record.power > 0)) continue;
-        const ggx::LobeAndDensity lobe = lobe_of(record.wi, dot(shading, record.wi), shading, w, cos_o, material_->alpha);
-        e.radiance += material_->specular * material_->fresnel(lobe.cos_h) * record.flux * (lobe.f / area_);
-        e.pdf_aw += record.power * lobe.pdf_w;
-    }
-    e.pdf_aw *= density_;
-    return e;
+    Leaving one;
+    one.size = 1;
+    one.shading.set(0, shading), one.w.set(0, w);
+    evaluate(one);
+    return {one.radiance[0], behind_mirror_, one.pdf_aw[0]};
 }
 
 }  // namespace lumel

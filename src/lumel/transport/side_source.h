@@ -53,6 +53,7 @@ public:
 private:
     void draw_cosine(Leaving& rays, uint32_t count) const;
     void draw_lobe(Leaving& rays, uint32_t from) const;
+    void add(const Record& record, const Leaving::Floats& cos_o, Leaving& rays) const;
 
     const Scene* scene_;
     const Material* material_;
