@@ -22,22 +22,27 @@ public:
     Receiver(const Scene& scene, uint32_t side)
         : scene_(&scene),
           triangle_(scene.triangle_of_side(side)),
-          back_(scene.is_back(side)),
+          material_(&scene.material(triangle_)),
+          sign_(scene.is_back(side) ? -1.0f : 1.0f),
+          normal_(scene.geometric_normal(triangle_) * sign_),
           glossy_(scene.glossy_index(side) != Scene::kNone),
           smooth_(scene.is_smooth(triangle_)) {}
 
     /// Whether all light counts as it arrives: there is no gloss, and no shading normal apart.
     bool is_plain() const { return !glossy_ && !smooth_; }
     Incident receive(const Transfer& transfer) const {
-        const Surface x(*scene_, {triangle_, transfer.u, transfer.v}, back_);
-        const Rgb flux = smooth_ ? transfer.flux * x.adjoint(transfer.wi) : transfer.flux;
-        return {flux, glossy_ ? lum(flux * x.material->albedo_s(dot(x.shading, transfer.wi))) : 0.0f};
+        const Vec3 shading = smooth_ ? scene_->shading_normal({triangle_, transfer.u, transfer.v}) * sign_ : normal_;
+        const Rgb flux = smooth_ ? transfer.flux * adjoint(shading, normal_, transfer.wi) : transfer.flux;
+        return {flux, glossy_ ? lum(flux * material_->albedo_s(dot(shading, transfer.wi))) : 0.0f};
     }
 
 private:
     const Scene* scene_;
     uint32_t triangle_;
-    bool back_, glossy_, smooth_;
+    const Material* material_;
+    float sign_;
+    Vec3 normal_;
+    bool glossy_, smooth_;
 };
 
 /// Neighbours that send on together what they received together. Sides with hits enough stay alone; where there are few hits, a single one
