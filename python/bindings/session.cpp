@@ -2,10 +2,11 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
-#include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+
+#include <numeric>
 
 #include "arrays.h"
 #include "lumel/solver/session.h"
@@ -63,19 +64,20 @@ public:
     }
     Session& session() { return *session_; }
 
-    // For `lumel bench`
-    size_t capture(uint64_t rays) {
+    // For `lumel bench`: the rays of a step, to be traced again and again. Gives how many there are.
+    uint64_t capture(uint64_t rays) {
         run([&] { captured_ = session_->solver().departures(rays); });
-        return captured_.size();
+        uint64_t count = 0;
+        for (const RayBlock& block : captured_)
+            count += static_cast<uint64_t>(-std::accumulate(block.traced.begin(), block.traced.begin() + block.size, 0));
+        return count;
     }
     void trace_captured() {
         run([&] {
-            constexpr size_t kBlock = 2048;
-            tbb::parallel_for(tbb::blocked_range<size_t>(0, captured_.size(), kBlock), [&](const auto& block) {
+            tbb::parallel_for(size_t{0}, captured_.size(), [&](size_t block) {
                 const FlushDenormals flush;
-                std::array<Hit, kBlock> hits;
-                for (size_t first = block.begin(); first < block.end(); first += kBlock)
-                    session_->accel().intersect(std::span(captured_).subspan(first, std::min(kBlock, block.end() - first)), hits);
+                HitBlock hits;
+                session_->accel().intersect(captured_[block], hits);
             });
         });
     }
@@ -89,7 +91,7 @@ private:
     tbb::global_control limit_;
     tbb::task_arena arena_;
     std::unique_ptr<Session> session_;
-    std::vector<Ray> captured_;
+    std::vector<RayBlock> captured_;
 };
 
 /// Layers of a film, by name: (height, width, 3) or (height, width).

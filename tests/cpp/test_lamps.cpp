@@ -178,6 +178,19 @@ struct GlossySource {
     }
 };
 
+/// One ray of a source: `at` in its power, W, or negative for the cosine lobe.
+Leaving leave(const SideSource& source, double at, Square point, Square direction) {
+    Leaving rays;
+    rays.size = 1;
+    rays.at[0] = at;
+    rays.point_u[0] = point.u, rays.point_v[0] = point.v;
+    rays.direction_u[0] = direction.u, rays.direction_v[0] = direction.v;
+    source.draw_points(rays);
+    source.draw_directions(rays);
+    source.evaluate(rays);
+    return rays;
+}
+
 }  // namespace
 
 TEST(SideSource, draws_have_the_density_of_all_lobes_together) {
@@ -186,17 +199,42 @@ TEST(SideSource, draws_have_the_density_of_all_lobes_together) {
         const double power = s.emitters.power(s.scene, s.side), rays = 1000;
         const SideSource source(s.scene, s.emitters, s.side, rays / power);
         for (Square where : {Square{0.2f, 0.3f}, Square{0.9f, 0.5f}}) {
-            const Surface y = source.draw_point(where);
-            const Frame frame(y.shading);
+            const Vec3 shading = leave(source, -1, where, {}).shading[0];
             // Draws below both horizons are lost, and there the density is 0.
             const auto draw = [&](Rng& rng) {
                 const double at = double{rng.uniform()} * power;
-                const Vec3 w = source.draw_direction(y, at, square(rng));
-                return frame.to_local(w).z > 0 || dot(w, y.normal) > 0 ? w : Vec3{};
+                const Vec3 w = leave(source, at, where, square(rng)).w[0];
+                return dot(w, shading) > 0 || dot(w, source.normal()) > 0 ? w : Vec3{};
             };
-            const auto pdf = [&](Vec3 w) { return source.evaluate(y, w).pdf_aw / rays * double{s.scene.side_area(s.side)}; };
-            EXPECT_GT(chi_square_directions(draw, pdf, y.shading, 200000, smooth ? 31 : 32), 1e-4) << "smooth " << smooth;
+            const auto pdf = [&](Vec3 w) { return source.evaluate(shading, w).pdf_aw / rays * double{s.scene.side_area(s.side)}; };
+            EXPECT_GT(chi_square_directions(draw, pdf, shading, 200000, smooth ? 31 : 32), 1e-4) << "smooth " << smooth;
         }
+    }
+}
+
+TEST(SideSource, evaluates_many_rays_as_it_does_one) {
+    const GlossySource s(true);
+    const double power = s.emitters.power(s.scene, s.side);
+    const SideSource source(s.scene, s.emitters, s.side, 1000 / power);
+    Leaving rays;
+    rays.size = Leaving::kMost;
+    Rng rng(8);
+    for (uint32_t i = 0; i < rays.size; ++i) {
+        const Square point = square(rng), direction = square(rng);
+        rays.at[i] = power * i / rays.size;
+        rays.point_u[i] = point.u, rays.point_v[i] = point.v;
+        rays.direction_u[i] = direction.u, rays.direction_v[i] = direction.v;
+    }
+    source.draw_points(rays);
+    source.draw_directions(rays);
+    source.evaluate(rays);
+    for (uint32_t i = 0; i < rays.size; ++i) {
+        const Leaving one = leave(source, rays.at[i], {rays.point_u[i], rays.point_v[i]}, {rays.direction_u[i], rays.direction_v[i]});
+        EXPECT_EQ(rays.y[i], one.y[0]);
+        EXPECT_EQ(rays.w[i], one.w[0]);
+        const SideSource::Emission e = source.evaluate(rays.shading[i], rays.w[i]);
+        EXPECT_NEAR(rays.pdf_aw[i], e.pdf_aw, 1e-5f * e.pdf_aw);
+        EXPECT_NEAR(lum(rays.radiance[i]), lum(e.radiance), 1e-5f * lum(e.radiance));
     }
 }
 
@@ -205,7 +243,7 @@ TEST(SideSource, points_are_uniform_on_the_patch) {
     const SideSource source(s.scene, s.emitters, s.side, 1);
     Rng rng(6);
     Vec3 mean;
-    for (int i = 0; i < 20000; ++i) mean += source.draw_point(square(rng)).x / 20000.0f;
+    for (int i = 0; i < 20000; ++i) mean += leave(source, -1, square(rng), {}).y[0] / 20000.0f;
     const Vec3 centre = s.scene.position(s.scene.centre_of_patch(s.side));
     // A coordinate of a uniform point varies by less than a quarter of the size: 4 standard errors.
     EXPECT_LT(length(mean - centre), 4 * std::sqrt(3.0f) * 0.25f * std::sqrt(s.scene.side_area(s.side)) / std::sqrt(20000.0f));
@@ -215,16 +253,16 @@ TEST(SideSource, radiance_carries_the_power_of_its_lobes) {
     // The integral of L cos over the hemisphere and the patch is the diffuse flux and the specular share of every record.
     const GlossySource s(false);
     const SideSource source(s.scene, s.emitters, s.side, 1);
-    const Surface y = source.draw_point({0.4f, 0.4f});
     Rgb64 truth = to_double(s.emitters.diffuse[s.side]);
     for (const Record& record : s.emitters.records_of(s.scene, s.side))
-        truth += to_double(record.flux) * to_double(s.scene.material(0).albedo_s(dot(record.wi, y.shading)));
+        truth += to_double(record.flux) * to_double(s.scene.material(0).albedo_s(dot(record.wi, source.normal())));
     constexpr int kSide = 512;
     Rgb64 sum;
     for (int i = 0; i < kSide; ++i)
         for (int j = 0; j < kSide; ++j) {
-            const Vec3 w = SideSource::draw_cosine(y, {(static_cast<float>(i) + 0.5f) / kSide, (static_cast<float>(j) + 0.5f) / kSide});
-            sum += to_double(source.evaluate(y, w).radiance) * (double{kPi} * double{s.scene.side_area(s.side)} / (kSide * kSide));
+            const Square direction{(static_cast<float>(i) + 0.5f) / kSide, (static_cast<float>(j) + 0.5f) / kSide};
+            sum += to_double(leave(source, -1, {0.4f, 0.4f}, direction).radiance[0]) *
+                   (double{kPi} * double{s.scene.side_area(s.side)} / (kSide * kSide));
         }
     EXPECT_NEAR(sum.x / truth.x, 1, 2e-3);
     EXPECT_NEAR(sum.y / truth.y, 1, 2e-3);

@@ -3,6 +3,7 @@
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
+#include <array>
 #include <stdexcept>
 #include <string>
 
@@ -88,8 +89,35 @@ Hit Accel::intersect(const Ray& ray) const {
     return {query.hit.primID, query.hit.u, query.hit.v, back};
 }
 
-void Accel::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
-    for (size_t i = 0; i < rays.size(); ++i) hits[i] = intersect(rays[i]);
+void Accel::intersect(const RayBlock& rays, HitBlock& hits) const {
+    constexpr uint32_t kLanes = 8;
+    RTCRayHit8 query{};
+    alignas(32) std::array<int, kLanes> valid;
+    for (uint32_t first = 0; first < rays.size; first += kLanes) {
+        for (uint32_t k = 0; k < kLanes; ++k) {
+            const uint32_t i = first + k;
+            valid[k] = i < rays.size ? rays.traced[i] : 0;
+            query.ray.org_x[k] = rays.origin.x[i], query.ray.org_y[k] = rays.origin.y[i], query.ray.org_z[k] = rays.origin.z[i];
+            query.ray.dir_x[k] = rays.direction.x[i], query.ray.dir_y[k] = rays.direction.y[i], query.ray.dir_z[k] = rays.direction.z[i];
+            query.ray.tnear[k] = 0, query.ray.tfar[k] = INFINITY, query.ray.time[k] = 0;
+            query.ray.mask[k] = 0xffffffffu, query.ray.id[k] = 0, query.ray.flags[k] = 0;
+            query.hit.geomID[k] = query.hit.instID[0][k] = query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
+        }
+#ifdef LUMEL_EMBREE4
+        rtcIntersect8(valid.data(), embree_->scene, &query);
+#else
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        rtcIntersect8(valid.data(), embree_->scene, &context, &query);
+#endif
+        for (uint32_t k = 0; k < kLanes; ++k) {
+            const uint32_t i = first + k;
+            const float along = query.hit.Ng_x[k] * query.ray.dir_x[k] + query.hit.Ng_y[k] * query.ray.dir_y[k] +
+                                query.hit.Ng_z[k] * query.ray.dir_z[k];
+            hits.triangle[i] = query.hit.primID[k];
+            hits.u[i] = query.hit.u[k], hits.v[i] = query.hit.v[k], hits.back[i] = along > 0;
+        }
+    }
 }
 
 bool Accel::occluded(const Ray& ray) const {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <memory>
-#include <span>
 
+#include "lumel/math/vec_array.h"
 #include "lumel/scene/scene.h"
 
 namespace lumel {
@@ -22,6 +22,27 @@ struct Hit {
 
     bool is_miss() const { return triangle == kMiss; }
     SurfacePoint point() const { return {triangle, u, v}; }
+};
+
+/// Rays side by side, for many queries at once.
+struct RayBlock {
+    static constexpr uint32_t kMost = 512;
+
+    uint32_t size = 0;
+    Vec3Array<kMost> origin, direction;
+    alignas(32) std::array<int32_t, kMost> traced;  ///< -1, or 0 for a ray that is left out
+
+    Ray operator[](uint32_t i) const { return {origin[i], direction[i]}; }
+};
+
+/// What the rays of a block hit; what was left out misses.
+struct HitBlock {
+    alignas(32) std::array<uint32_t, RayBlock::kMost> triangle;
+    alignas(32) std::array<float, RayBlock::kMost> u, v;
+    alignas(32) std::array<int32_t, RayBlock::kMost> back;
+
+    Hit operator[](uint32_t i) const { return {triangle[i], u[i], v[i], back[i] != 0}; }
+    void set(uint32_t i, const Hit& hit) { triangle[i] = hit.triangle, u[i] = hit.u, v[i] = hit.v, back[i] = hit.back; }
 };
 
 /// Flush denormals on this thread while it traces, as Embree wants.
@@ -45,8 +66,8 @@ public:
     Accel(Accel&&) noexcept;
 
     Hit intersect(const Ray& ray) const;
-    /// Closest hits of many rays; `hits` has at least as many entries as `rays`.
-    void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
+    /// Closest hits of all rays of a block, eight at a time: faster than one by one where neighbours start near each other.
+    void intersect(const RayBlock& rays, HitBlock& hits) const;
     bool occluded(const Ray& ray) const;
     /// Do two points see each other? Both must already be off their surfaces.
     bool visible(Vec3 a, Vec3 b) const { return !occluded({a, b - a, 1.0f}); }

@@ -31,10 +31,9 @@ SideField SideMoments::field(uint32_t replicas) const {
 void IrradianceAreas::measure(const Step& step) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene_->sides(), kSides), [&](const auto& range) {
         for (uint32_t side = range.begin(); side < range.end(); ++side)
-            for (uint32_t i : step.transfers.group(side)) {
-                const Transfer& transfer = step.transfers.all[i];
+            for (const Transfer& transfer : step.transfers.group(side)) {
                 const Surface x(*scene_, {scene_->triangle_of_side(side), transfer.u, transfer.v}, scene_->is_back(side));
-                const Rgb64 light = to_double(transfer.flux * x.adjoint(transfer.wi));
+                const Rgb64 light = to_double(transfer.flux * adjoint(x.shading, x.normal, transfer.wi));
                 if (transfer.inv_pdf > 0)
                     tally_.add(side, step, light, double{transfer.inv_pdf} / double{kPi});
                 else

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "lumel/areas/arrivals.h"
 #include "lumel/areas/lobe_albedo.h"
 #include "lumel/areas/lobe_looks.h"
 #include "lumel/sampling/hash.h"
@@ -63,28 +64,25 @@ void PatchAreas::measure_shot(const Step& step, uint32_t area) {
     const uint32_t side = sides_[area], triangle = scene_->triangle_of_side(side);
     const bool back = scene_->is_back(side);
     const float gather_density = static_cast<float>(step.gather) / scene_->side_area(side);
-    for (uint32_t i : step.transfers.group(side)) {
-        const Transfer& transfer = step.transfers.all[i];
-        const Surface x(*scene_, {triangle, transfer.u, transfer.v}, back);
-        const Frame frame(x.shading);
-        const Vec3 wi = frame.to_local(transfer.wi);
-        const float cos = dot(x.normal, transfer.wi);
-        if (!(wi.z > 0 && cos > 0)) continue;
+    Arrivals arrivals(scene_->material(triangle));
+    const auto measure = [&] {
         for (uint32_t eye = 0; eye < eyes(); ++eye) {
             if (!(albedo_[at(eye, area)] > 0)) continue;
-            const Vec3 wo = frame.to_local(normalize(eyes_[eye] - x.x));
-            const Rgb scatter = x.material->scatter_s(wi, wo);
-            const Rgb64 light = to_double(scatter) * to_double(transfer.flux);
-            if (!(transfer.inv_pdf > 0)) {
-                tally_.add_plain(at(eye, area), step, light * (1 / double{cos}));
-                continue;
+            arrivals.look_from(eyes_[eye], gather_density);
+            for (uint32_t i = 0; i < arrivals.size(); ++i) {
+                if (arrivals.has_density(i))
+                    tally_.add(at(eye, area), step, arrivals.f(i), arrivals.g(i));
+                else
+                    tally_.add_plain(at(eye, area), step, arrivals.f(i));
             }
-            // Divide by cos/inv_pdf = n_s p and n_g p_g together; with nothing gathered this is the plain quotient.
-            const float gathered = gather_density > 0 ? gather_density * ggx::pdf_w(wo, wi, x.material->alpha) : 0.0f;
-            const double share = 1.0 / (double{cos} + double{gathered} * double{transfer.inv_pdf});
-            tally_.add(at(eye, area), step, light * share, double{transfer.inv_pdf} * double{lum(scatter)} * share);
         }
+        arrivals.clear();
+    };
+    for (const Transfer& transfer : step.transfers.group(side)) {
+        arrivals.add(Surface(*scene_, {triangle, transfer.u, transfer.v}, back), transfer);
+        if (arrivals.is_full()) measure();
     }
+    measure();
 }
 
 void PatchAreas::look(const Step& step, uint32_t area, uint32_t eye) {

@@ -1,6 +1,7 @@
 // From the unit square to triangles, hemispheres and spheres, with the densities that belong to them.
 #pragma once
 
+#include "lumel/math/turns.h"
 #include "lumel/math/vec.h"
 #include "lumel/sampling/sobol.h"
 
@@ -18,14 +19,16 @@ inline Square square_to_triangle(Square s) {
 
 /// Direction around +z with density cos/pi, 1/sr.
 inline Vec3 square_to_cosine_hemisphere(Square s) {
-    const float r = std::sqrt(s.u), phi = 2.0f * kPi * s.v;
-    return {r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(0.0f, 1.0f - s.u))};
+    const float r = std::sqrt(s.u);
+    const CosSin turn = cos_sin_turns(s.v);
+    return {r * turn.cos, r * turn.sin, std::sqrt(std::max(0.0f, 1.0f - s.u))};
 }
 
 /// Direction with density 1/(4 pi), 1/sr.
 inline Vec3 square_to_sphere(Square s) {
-    const float z = 1.0f - 2.0f * s.u, r = std::sqrt(std::max(0.0f, 1.0f - z * z)), phi = 2.0f * kPi * s.v;
-    return {r * std::cos(phi), r * std::sin(phi), z};
+    const float z = 1.0f - 2.0f * s.u, r = std::sqrt(std::max(0.0f, 1.0f - z * z));
+    const CosSin turn = cos_sin_turns(s.v);
+    return {r * turn.cos, r * turn.sin, z};
 }
 
 }  // namespace lumel

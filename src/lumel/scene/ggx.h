@@ -1,6 +1,7 @@
 // The GGX microfacet lobe with separable Smith shadowing. Directions are local (z = shading normal) and point away from the surface.
 #pragma once
 
+#include "lumel/math/turns.h"
 #include "lumel/math/vec.h"
 #include "lumel/sampling/sobol.h"
 
@@ -31,21 +32,25 @@ inline Lobe eval(Vec3 wi, Vec3 wo, float alpha) {
 struct LobeAndDensity {
     float f = 0, pdf_w = 0, cos_h = 0;
 };
-inline LobeAndDensity eval_with_pdf(Vec3 w, Vec3 other, float alpha) {
-    if (!(w.z > 0 && other.z > 0)) return {};
-    const Vec3 h = w + other;
-    const float h2 = dot(h, h);
-    const float density = D(h.z * h.z / h2, alpha) * G1(w.z, alpha) / (4.0f * w.z);
-    return {density * G1(other.z, alpha) / other.z, density, 0.5f * std::sqrt(h2)};
+/// By cosines, so that no local frame is needed: of `w` and `other` to the normal, and `across2`, the squared length of the part of
+/// w + other that is perpendicular to the normal.
+inline LobeAndDensity eval_with_pdf(float cos_w, float cos_other, float across2, float alpha) {
+    const float above = std::min(cos_w, cos_other) > 0 ? 1.0f : 0.0f;
+    const float a2 = alpha * alpha, along2 = sqr(cos_w + cos_other), h2 = across2 + along2;
+    // G1(c)/c = 2 / (c + sqrt(a2 + (1 - a2) c^2)); below the horizon anything finite will do.
+    const auto masking = [&](float cos) { return 2 / (std::max(cos, 0.0f) + std::sqrt(a2 + (1 - a2) * cos * cos)); };
+    // D G1(w) / (4 cos_w), with the quotient by h2 in D multiplied out.
+    const float density = above * 0.25f * kInvPi * a2 * sqr(h2 / (across2 + a2 * along2)) * masking(cos_w);
+    return {density * masking(cos_other), density, 0.5f * std::sqrt(h2)};
 }
 
 /// Draw a microfacet normal visible from `w` (Dupuy and Benyoub 2023: spherical caps).
 inline Vec3 sample_normal(Vec3 w, float alpha, Square s) {
     const Vec3 stretched = normalize({w.x * alpha, w.y * alpha, w.z});
-    const float phi = 2.0f * kPi * s.u;
+    const CosSin turn = cos_sin_turns(s.u);
     const float z = (1.0f - s.v) * (1.0f + stretched.z) - stretched.z;
     const float r = std::sqrt(std::max(0.0f, 1.0f - z * z));
-    const Vec3 h = Vec3{r * std::cos(phi), r * std::sin(phi), z} + stretched;
+    const Vec3 h = Vec3{r * turn.cos, r * turn.sin, z} + stretched;
     return normalize({h.x * alpha, h.y * alpha, std::max(h.z, 0.0f)});
 }
 

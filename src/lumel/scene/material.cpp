@@ -24,13 +24,6 @@ Rgb Fresnel::operator()(float cos) const {
     return {conductor(cos, eta.x, k.x), conductor(cos, eta.y, k.y), conductor(cos, eta.z, k.z)};
 }
 
-Rgb Material::albedo_s(float cos) const {
-    const float at = std::sqrt(std::clamp(cos, 0.0f, 1.0f)) * kNodes;
-    const int i = std::min(static_cast<int>(at), kNodes - 1);
-    const float t = at - static_cast<float>(i);
-    return albedo_[i] * (1.0f - t) + albedo_[i + 1] * t;
-}
-
 float Material::mirror_choice() const {
     if (!is_mirror()) return 0;
     const float m = lum(mirror), rest = lum(diffuse) + lum(specular);

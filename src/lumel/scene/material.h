@@ -35,7 +35,12 @@ struct Material {
         return fresnel.any ? tint * fresnel(lobe.cos_h) : tint;
     }
     /// Specular albedo a_s of the direction with cosine `cos` to the shading normal, from a table made by `tabulate`.
-    Rgb albedo_s(float cos) const;
+    Rgb albedo_s(float cos) const {
+        const float at = std::sqrt(std::clamp(cos, 0.0f, 1.0f)) * kNodes;
+        const int i = std::min(static_cast<int>(at), kNodes - 1);
+        const float t = at - static_cast<float>(i);
+        return albedo_[i] * (1.0f - t) + albedo_[i + 1] * t;
+    }
     Rgb mirror_reflectance(float cos) const { return mirror * fresnel(cos); }
 
     /// Probability that a path which meets the surface is continued by the mirror, and not by what else the surface does.

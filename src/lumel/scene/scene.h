@@ -78,12 +78,13 @@ public:
         const Indices& i = indices_[p.triangle];
         return vertices_[i[0]] * (1 - p.u - p.v) + vertices_[i[1]] * p.u + vertices_[i[2]] * p.v;
     }
-    /// Interpolated normal on the front side; the geometric one on flat triangles.
-    Vec3 shading_normal(SurfacePoint p) const {
-        if (!smooth_[p.triangle]) return normal_[p.triangle];
+    /// Normal of a smooth triangle on the front side, linear over the triangle and not of unit length.
+    Vec3 interpolated_normal(SurfacePoint p) const {
         const Indices& i = indices_[p.triangle];
-        return normalize(normals_[i[0]] * (1 - p.u - p.v) + normals_[i[1]] * p.u + normals_[i[2]] * p.v);
+        return normals_[i[0]] * (1 - p.u - p.v) + normals_[i[1]] * p.u + normals_[i[2]] * p.v;
     }
+    /// The same of unit length; the geometric normal on flat triangles.
+    Vec3 shading_normal(SurfacePoint p) const { return smooth_[p.triangle] ? normalize(interpolated_normal(p)) : normal_[p.triangle]; }
 
     // Patches and sides
     uint32_t patches() const { return static_cast<uint32_t>(patch_triangle_.size()); }

@@ -5,6 +5,14 @@
 
 namespace lumel {
 
+/// |Ns.wi| / |Ng.wi|: what shading normals do to light that arrives from `wi` by its geometric density (Veach 1997, section 5.3).
+/// Bounded, because at grazing angles the quotient is noise.
+inline float adjoint(Vec3 shading, Vec3 normal, Vec3 wi) {
+    constexpr float kMost = 8;
+    const float geometric = dot(normal, wi);
+    return geometric > 0 ? std::clamp(dot(shading, wi) / geometric, 0.0f, kMost) : 0.0f;
+}
+
 struct Surface {
     Vec3 x;
     Vec3 normal;    ///< geometric, on the side that was met
@@ -23,14 +31,6 @@ struct Surface {
 
     /// Start of a ray that leaves on this side.
     Vec3 off(float epsilon) const { return x + normal * epsilon; }
-
-    /// |Ns.wi| / |Ng.wi|: what shading normals do to light that arrives from `wi` by its geometric density (Veach 1997, section 5.3).
-    /// Bounded, because at grazing angles the quotient is noise.
-    float adjoint(Vec3 wi) const {
-        constexpr float kMost = 8;
-        const float shaded = dot(shading, wi), geometric = dot(normal, wi);
-        return geometric > 0 ? std::clamp(shaded / geometric, 0.0f, kMost) : 0.0f;
-    }
 };
 
 }  // namespace lumel

@@ -57,9 +57,9 @@ void Solver::step(uint64_t rays) {
     weight_ += weight;
 }
 
-std::vector<Ray> Solver::departures(uint64_t rays) const {
+std::vector<RayBlock> Solver::departures(uint64_t rays) const {
     return frozen_ ? frozen_->departures(*accel_, *defensive_, {rays, config_.defensive, key(config_.seed, kStep, replicas(), steps_)})
-                   : std::vector<Ray>{};
+                   : std::vector<RayBlock>{};
 }
 
 void Solver::absorb(const Generation& generation, double weight) {

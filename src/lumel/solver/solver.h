@@ -47,7 +47,7 @@ public:
     /// Shoot about `rays` rays: one step of `rays`, or one whole walk of `walk`.
     void step(uint64_t rays);
     /// The rays that a step of `rays` would trace first, in their order. `rays` transport only, in an open replica.
-    std::vector<Ray> departures(uint64_t rays) const;
+    std::vector<RayBlock> departures(uint64_t rays) const;
     /// Close the replica; its light counts as one sample. Does nothing if no step was made.
     void end_replica();
 

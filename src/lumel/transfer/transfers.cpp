@@ -15,25 +15,25 @@ void Transfers::group_by_side(uint32_t sides) {
     tbb::parallel_for(size_t{0}, chunks, [&](size_t chunk) {
         counts[chunk].assign(sides, 0);
         for (size_t i = begin(chunk); i < begin(chunk + 1); ++i)
-            if (all[i].side != Transfer::kLost) ++counts[chunk][all[i].side];
+            if (side_[i] != Transfer::kLost) ++counts[chunk][side_[i]];
     });
 
     // Give every chunk its place in every group: any number of chunks leads to the one stable order.
-    first.resize(size_t{sides} + 1);
+    first_.resize(size_t{sides} + 1);
     uint32_t at = 0;
-    for (uint32_t side = 0; side < sides; ++side) {
-        first[side] = at;
+    for (uint32_t s = 0; s < sides; ++s) {
+        first_[s] = at;
         for (auto& count : counts) {
-            const uint32_t here = count[side];
-            count[side] = at;
+            const uint32_t here = count[s];
+            count[s] = at;
             at += here;
         }
     }
-    first[sides] = at;
-    order.resize(at);
+    first_[sides] = at;
+    order_.resize(at + kAhead);
     tbb::parallel_for(size_t{0}, chunks, [&](size_t chunk) {
         for (size_t i = begin(chunk); i < begin(chunk + 1); ++i)
-            if (all[i].side != Transfer::kLost) order[counts[chunk][all[i].side]++] = static_cast<uint32_t>(i);
+            if (side_[i] != Transfer::kLost) order_[counts[chunk][side_[i]]++] = static_cast<uint32_t>(i);
     });
 }
 

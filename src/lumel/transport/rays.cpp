@@ -22,8 +22,8 @@ FrozenLight::FrozenLight(const Accel& accel, const DefensiveStarts& defensive, c
 
 uint64_t FrozenLight::step(const Accel& accel, const DefensiveStarts& defensive, const Illumination& light, const ShootConfig& config,
                            const Sink& sink) {
-    // Lamps are drawn anew for as many glossy sides as cost no more than an eighth of the rays.
-    const auto parts = static_cast<uint32_t>(1 + uint64_t{accel.scene().glossy_sides()} / 2 * kLampRecords * 8 / (config.rays + 1));
+    // Lamps are drawn anew for as many glossy sides as cost no more than a thirty-second of the rays.
+    const auto parts = static_cast<uint32_t>(1 + uint64_t{accel.scene().glossy_sides()} / 2 * kLampRecords * 32 / (config.rays + 1));
     light.refresh(key(config.stream, kLamps), emitters_, steps_++ % parts, parts);
     const Shot shot(accel, emitters_, defensive, {config.rays, config.defensive, key(config.stream, kShoot)});
     shoot(shot, transfers_);

@@ -16,7 +16,7 @@ public:
                   const Sink& sink);
 
     /// The rays that a step would shoot (see `departures`).
-    std::vector<Ray> departures(const Accel& accel, const DefensiveStarts& defensive, const ShootConfig& config) const {
+    std::vector<RayBlock> departures(const Accel& accel, const DefensiveStarts& defensive, const ShootConfig& config) const {
         return lumel::departures(Shot(accel, emitters_, defensive, config));
     }
 

@@ -16,11 +16,34 @@ struct Incident {
     float power = 0;
 };
 
-Incident incident(const Scene& scene, const Transfer& transfer, bool back, bool glossy) {
-    const Surface x(scene, {scene.triangle_of_side(transfer.side), transfer.u, transfer.v}, back);
-    const Rgb flux = transfer.flux * x.adjoint(transfer.wi);
-    return {flux, glossy ? lum(flux * x.material->albedo_s(dot(x.shading, transfer.wi))) : 0.0f};
-}
+/// A side that receives light.
+class Receiver {
+public:
+    Receiver(const Scene& scene, uint32_t side)
+        : scene_(&scene),
+          triangle_(scene.triangle_of_side(side)),
+          material_(&scene.material(triangle_)),
+          sign_(scene.is_back(side) ? -1.0f : 1.0f),
+          normal_(scene.geometric_normal(triangle_) * sign_),
+          glossy_(scene.glossy_index(side) != Scene::kNone),
+          smooth_(scene.is_smooth(triangle_)) {}
+
+    /// Whether all light counts as it arrives: there is no gloss, and no shading normal apart.
+    bool is_plain() const { return !glossy_ && !smooth_; }
+    Incident receive(const Transfer& transfer) const {
+        const Vec3 shading = smooth_ ? scene_->shading_normal({triangle_, transfer.u, transfer.v}) * sign_ : normal_;
+        const Rgb flux = smooth_ ? transfer.flux * adjoint(shading, normal_, transfer.wi) : transfer.flux;
+        return {flux, glossy_ ? lum(flux * material_->albedo_s(dot(shading, transfer.wi))) : 0.0f};
+    }
+
+private:
+    const Scene* scene_;
+    uint32_t triangle_;
+    const Material* material_;
+    float sign_;
+    Vec3 normal_;
+    bool glossy_, smooth_;
+};
 
 /// Neighbours that send on together what they received together. Sides with hits enough stay alone; where there are few hits, a single one
 /// would make a small patch far too bright.
@@ -68,24 +91,27 @@ void draw_records(const std::vector<Light>& lights, double share, uint64_t strea
 
 /// Sum what each side of a group received, and let the group send it on. The Lambertian share of small sides is spread over these by area;
 /// others keep theirs. The specular share is spread over the small sides and those that were hit: the others may lie where no light
-/// comes, under a box.
+/// comes, under a box. `lights` is room to work.
 void scatter_group(const Scene& scene, const Transfers& transfers, std::span<const uint32_t> sides, uint64_t stream,
-                   std::vector<Rgb>& received, Emitters& next) {
+                   std::vector<Rgb>& received, Emitters& next, std::vector<Light>& lights) {
     const double small_area = scene.total_area() / scene.patches() * kSmall;
     const auto is_small = [&](uint32_t side) { return sides.size() > 1 && double{scene.side_area(side)} < small_area; };
     const auto takes_part = [&](uint32_t side) { return is_small(side) || !transfers.group(side).empty(); };
     double area = 0, area_of_small = 0;
     Rgb64 light_of_small;
-    std::vector<Light> lights;
+    lights.clear();
     for (uint32_t side : sides) {
-        const bool glossy = scene.glossy_index(side) != Scene::kNone, plain = !glossy && !scene.is_smooth(scene.triangle_of_side(side));
+        const Receiver receiver(scene, side);
         Rgb64 sum;
-        for (uint32_t i : transfers.group(side)) {
-            const Transfer& transfer = transfers.all[i];
-            const Incident light = plain ? Incident{transfer.flux} : incident(scene, transfer, scene.is_back(side), glossy);
-            sum += light.flux;
-            if (light.power > 0)
-                lights.push_back({transfer.wi, light.flux, (lights.empty() ? 0.0 : lights.back().power_so_far) + double{light.power}});
+        if (receiver.is_plain()) {
+            for (const Transfer& transfer : transfers.group(side)) sum += transfer.flux;
+        } else {
+            for (const Transfer& transfer : transfers.group(side)) {
+                const Incident light = receiver.receive(transfer);
+                sum += light.flux;
+                if (light.power > 0)
+                    lights.push_back({transfer.wi, light.flux, (lights.empty() ? 0.0 : lights.back().power_so_far) + double{light.power}});
+            }
         }
         received[side] = sum.to_float();
         if (is_small(side)) light_of_small += sum, area_of_small += double{scene.side_area(side)};
@@ -106,8 +132,9 @@ void scatter(const Scene& scene, const Transfers& transfers, uint64_t stream, st
     received.resize(scene.sides());
     const std::vector<Group> groups = group_by_hits(scene, transfers);
     tbb::parallel_for(tbb::blocked_range<size_t>(0, groups.size(), 512), [&](const auto& range) {
+        std::vector<Light> lights;
         for (size_t i = range.begin(); i < range.end(); ++i)
-            scatter_group(scene, transfers, scene.side_order().sides(groups[i].first, groups[i].last), stream, received, next);
+            scatter_group(scene, transfers, scene.side_order().sides(groups[i].first, groups[i].last), stream, received, next, lights);
     });
 }
 

@@ -10,9 +10,8 @@ namespace lumel {
 /// a pure function of the shot, whatever the number of threads.
 void shoot(const Shot& shot, Transfers& transfers);
 
-/// The rays of `shot` as they leave, in the order of their tracing, without those that carry nothing: what tracing alone costs is measured
-/// with them.
-std::vector<Ray> departures(const Shot& shot);
+/// The rays of `shot` as they leave, block by block as `shoot` traces them: what tracing alone costs is measured with them.
+std::vector<RayBlock> departures(const Shot& shot);
 
 inline void shoot(const Accel& accel, const Emitters& emitters, const DefensiveStarts& defensive, const ShootConfig& config,
                   Transfers& transfers) {

@@ -59,7 +59,7 @@ Seen Shot::see(Ray ray) const {
         const uint32_t side = scene.side_of(hit.point(), hit.back);
         const float cos = dot(y.normal, w);
         if (!(cos > 1e-6f)) return {};
-        const SideSource::Emission e = SideSource(scene, emitters, side, rays_per_watt).evaluate(y, w);
+        const SideSource::Emission e = SideSource(scene, emitters, side, rays_per_watt).evaluate(y.shading, w);
         const Rgb radiance = mirrors > 0 ? e.radiance + e.behind_mirror : e.radiance;
         return {radiance * tint, (e.pdf_aw / cos + defensive_density(side)) * survive};
     }

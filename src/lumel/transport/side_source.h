@@ -1,11 +1,27 @@
-// One side as a source of rays: draw a point and a direction, and tell the radiance and the marginal density of any such pair.
+// One side as a source of rays: draw points and directions, and tell the radiance and the marginal density of any such pair.
 #pragma once
 
+#include "lumel/math/vec_array.h"
 #include "lumel/sampling/warp.h"
 #include "lumel/scene/surface.h"
 #include "lumel/transport/emitters.h"
 
 namespace lumel {
+
+/// Rays that leave one side together, each quantity an array over them. The first four are what they are drawn from.
+struct Leaving {
+    static constexpr uint32_t kMost = 64;
+    using Floats = std::array<float, kMost>;
+
+    uint32_t size = 0;
+    std::array<double, kMost> at;                     ///< position in the power of the side that owns the direction, W
+    Floats point_u, point_v, direction_u, direction_v;  ///< random numbers
+    Vec3Array<kMost> y;                               ///< start
+    Vec3Array<kMost> shading;                         ///< shading normal there
+    Vec3Array<kMost> w;                               ///< unit direction; it may point below the surface
+    Vec3Array<kMost> radiance;                        ///< W/(m2 sr)
+    Floats pdf_aw;                                    ///< n p_y of all lobes together, rays/(m2 sr), without the defensive part
+};
 
 class SideSource {
 public:
@@ -17,81 +33,36 @@ public:
     };
 
     /// `rays_per_watt`: rays shot for each watt of lum power.
-    SideSource(const Scene& scene, const Emitters& emitters, uint32_t side, double rays_per_watt)
-        : scene_(&scene),
-          triangle_(scene.triangle_of_side(side)),
-          back_(scene.is_back(side)),
-          corners_(scene.place(scene.patch_of_side(side)).corners(scene.divisions(triangle_))),
-          area_(scene.side_area(side)),
-          density_(static_cast<float>(rays_per_watt / area_)),
-          diffuse_(emitters.diffuse[side]),
-          homogeneous_(emitters.homogeneous),
-          records_(emitters.records_of(scene, side)) {
-        if (!emitters.behind_mirror.empty()) behind_mirror_ = emitters.behind_mirror[side];
-        cosine_power_ = lum(diffuse_) + lum(behind_mirror_) + lum(homogeneous_) * kPi * area_;
-    }
+    SideSource(const Scene& scene, const Emitters& emitters, uint32_t side, double rays_per_watt);
 
-    Surface draw_point(Square s) const {
-        const Square b = square_to_triangle(s);
-        const float w = 1 - b.u - b.v;
-        const SurfacePoint p{triangle_, w * corners_[0].u + b.u * corners_[1].u + b.v * corners_[2].u,
-                             w * corners_[0].v + b.u * corners_[1].v + b.v * corners_[2].v};
-        return {*scene_, p, back_};
-    }
+    uint32_t side() const { return side_; }
+    Vec3 normal() const { return normal_; }
+    Rgb behind_mirror() const { return behind_mirror_; }
 
-    /// A direction from y by the lobe that owns position `at` of [0, power); it may point below the surface.
-    Vec3 draw_direction(const Surface& y, double at, Square s) const {
-        at -= cosine_power_;
-        if (at >= 0) {
-            const Record* chosen = nullptr;
-            for (const Record& record : records_) {
-                if (!(record.power > 0)) continue;
-                chosen = &record;
-                if ((at -= record.power) < 0) break;
-            }
-            if (chosen) {
-                const Frame frame(y.shading);
-                const Vec3 wi = frame.to_local(chosen->wi);
-                if (!(wi.z > 0)) return -y.normal;
-                // What points below the shading normal's horizon has no density: it is lost even where it is above the surface.
-                const Vec3 wo = ggx::sample(wi, y.material->alpha, s);
-                return wo.z > 0 ? frame.to_world(wo) : -y.normal;
-            }
-        }
-        return draw_cosine(y, s);
-    }
-    static Vec3 draw_cosine(const Surface& y, Square s) { return Frame(y.normal).to_world(square_to_cosine_hemisphere(s)); }
-
-    /// Evaluate direction `w` from `y`, whichever way it was drawn ([WIS] 3.1 with the marginal over all lobes).
-    Emission evaluate(const Surface& y, Vec3 w) const {
-        const float cos = std::max(0.0f, dot(y.normal, w));
-        Emission e{diffuse_ * (kInvPi / area_), behind_mirror_ * (kInvPi / area_), cosine_power_ * cos * kInvPi};
-        if (max_component(homogeneous_) > 0)
-            e.radiance += homogeneous_ * (Rgb{1, 1, 1} - y.material->diffuse - y.material->albedo_s(dot(y.shading, w)));
-        if (!records_.empty()) {
-            const Frame frame(y.shading);
-            const Vec3 wo = frame.to_local(w);
-            for (const Record& record : records_) {
-                if (!(record.power > 0)) continue;
-                const Vec3 wi = frame.to_local(record.wi);
-                if (!(wi.z > 0 && wo.z > 0)) continue;
-                const ggx::LobeAndDensity lobe = ggx::eval_with_pdf(wi, wo, y.material->alpha);
-                e.radiance += y.material->specular * y.material->fresnel(lobe.cos_h) * record.flux * (lobe.f / area_);
-                e.pdf_aw += record.power * lobe.pdf_w;
-            }
-        }
-        e.pdf_aw *= density_;
-        return e;
-    }
+    /// Draw points uniform on the patch, with their shading normals.
+    void draw_points(Leaving& rays) const;
+    /// Draw directions by the lobes that own the positions `at`, which must ascend.
+    void draw_directions(Leaving& rays) const;
+    /// Draw directions around the geometric normal with density cos/pi.
+    void draw_cosine(Leaving& rays) const { draw_cosine(rays, rays.size); }
+    /// Evaluate all rays, whichever way they were drawn ([WIS] 3.1 with the marginal over all lobes).
+    void evaluate(Leaving& rays) const;
+    /// Evaluate direction `w` from a point with the shading normal `shading`.
+    Emission evaluate(Vec3 shading, Vec3 w) const;
 
 private:
+    void draw_cosine(Leaving& rays, uint32_t count) const;
+    void draw_lobe(Leaving& rays, uint32_t from) const;
+    void add(const Record& record, const Leaving::Floats& cos_o, Leaving& rays) const;
+
     const Scene* scene_;
-    uint32_t triangle_;
-    bool back_;
-    PatchCorners corners_;
+    const Material* material_;
+    uint32_t side_;
     float area_, density_;
-    Rgb diffuse_, behind_mirror_, homogeneous_;
-    float cosine_power_ = 0;
+    Vec3 normal_;  // geometric, on this side
+    Rgb diffuse_;  // radiance, as the two below
+    Rgb behind_mirror_, homogeneous_;
+    float cosine_power_;
     std::span<const Record> records_;
 };
 
