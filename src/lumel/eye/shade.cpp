@@ -117,7 +117,7 @@ EyeShader::Seen EyeShader::sample(Ray ray, bool gather, EyeStream& stream) const
 }
 
 Rgb EyeShader::lamps(const Surface& x, Vec3 wo, EyeStream& stream) const {
-    const LampView view(scene_, x);
+    const LampView view(scene_, x, &wo);
     const float choice = stream.next_one();
     const LampSample lamp = view.sample(choice, stream.next());
     const float cos = dot(x.shading, lamp.wi);
@@ -143,7 +143,7 @@ EyeShader::LobeLight EyeShader::lobe(const Surface& x, Vec3 wo, bool indirect, f
     if (!hit.is_miss() && !hit.back && scene_.lamp_of(hit.triangle) >= 0) {
         const Rgb emission = draw.scatter * scene_.emission(hit.triangle);
         if (direct_light_)
-            light.direct = emission * share_of_lobe(x, draw.pdf_w, ray, hit);
+            light.direct = emission * share_of_lobe(x, wo, draw.pdf_w, ray, hit);
         else if (indirect)
             light.indirect = emission;
     }
@@ -154,9 +154,9 @@ EyeShader::LobeLight EyeShader::lobe(const Surface& x, Vec3 wo, bool indirect, f
     return light;
 }
 
-float EyeShader::share_of_lobe(const Surface& x, float pdf_w, const Ray& ray, const Hit& hit) const {
+float EyeShader::share_of_lobe(const Surface& x, Vec3 wo, float pdf_w, const Ray& ray, const Hit& hit) const {
     const float distance = length(scene_.position(hit.point()) - ray.origin);
-    return pdf_w / (pdf_w + LampView(scene_, x).pdf_w(hit.triangle, ray.direction, distance));
+    return pdf_w / (pdf_w + LampView(scene_, x, &wo).pdf_w(hit.triangle, ray.direction, distance));
 }
 
 EyeShader::Brought EyeShader::gather_irradiance(const Surface& x, float size, EyeStream& stream) const {
@@ -199,7 +199,7 @@ EyeShader::Brought EyeShader::gather(Ray ray, Rgb throughput, bool coarse, float
         // A lamp that it meets at once could have been sampled from x as well.
         const Hit hit = accel_.intersect(ray);
         if (!hit.is_miss() && !hit.back && scene_.lamp_of(hit.triangle) >= 0)
-            sum += throughput * scene_.emission(hit.triangle) * (direct_light_ ? share_of_lobe(x, draw.pdf_w, ray, hit) : 1.0f);
+            sum += throughput * scene_.emission(hit.triangle) * (direct_light_ ? share_of_lobe(x, wo, draw.pdf_w, ray, hit) : 1.0f);
     }
     return brought;
 }

@@ -57,7 +57,7 @@ private:
     };
     LobeLight lobe(const Surface& x, Vec3 wo, bool indirect, float size, EyeStream& stream) const;
     /// Share that a lamp met by a ray of the lobe has against `lamps`, which could have drawn it: the balance heuristic.
-    float share_of_lobe(const Surface& x, float pdf_w, const Ray& ray, const Hit& hit) const;
+    float share_of_lobe(const Surface& x, Vec3 wo, float pdf_w, const Ray& ray, const Hit& hit) const;
     /// What one ray brings.
     struct Brought {
         Rgb radiance;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "lumel/scene/area_lamp_view.h"
 #include "lumel/scene/surface.h"
@@ -19,7 +20,12 @@ struct LampSample {
 /// Lamps as seen from one point. Build it, then sample any number of times.
 class LampView {
 public:
-    LampView(const Scene& scene, const Surface& x) : scene_(&scene), x_(&x) {
+    /// With `wo` lamps count by what x reflects of them to there, without it by irradiance.
+    explicit LampView(const Scene& scene, const Surface& x, const Vec3* wo = nullptr) : scene_(&scene), x_(&x) {
+        if (wo && x.material->is_glossy()) {
+            frame_.emplace(x.shading);
+            wo_ = frame_->to_local(*wo);
+        }
         const auto& areas = scene.area_lamps();
         const auto& points = scene.point_lamps();
         count_ = static_cast<uint32_t>(areas.size() + points.size());
@@ -82,12 +88,22 @@ private:
             // Seen from next to a flat lamp, some of it is in front although its centre is at the side.
             cos = std::min(1.0f, cos + 0.25f * sqr(lamp.radius) / d2);
         }
-        return lum(lamp.radiance) * lamp.area * std::max(0.05f, std::min(1.0f, above / d)) * std::max(cos, 0.02f) / d2;
+        const float irradiance = lum(lamp.radiance) * lamp.area * std::max(0.05f, std::min(1.0f, above / d)) * std::max(cos, 0.02f) / d2;
+        return irradiance * brdf(to / d, lamp.radius / d);
     }
     float weigh(const PointLamp& lamp) const {
         const Vec3 to = lamp.position - x_->x;
-        const float d2 = dot(to, to), cos = dot(to, x_->normal);
-        return cos > 0 ? lum(lamp.intensity) * std::max(0.05f, cos / std::sqrt(d2)) / std::max(d2, 1e-12f) : 0.0f;
+        const float d2 = std::max(dot(to, to), 1e-12f), d = std::sqrt(d2), cos = dot(to, x_->normal);
+        return cos > 0 ? lum(lamp.intensity) * std::max(0.05f, cos / d) / d2 * brdf(to / d, 0) : 0.0f;
+    }
+    /// BRDF for light from about `wi`, the lobe widened by what the lamp subtends, and never quite without the lobe.
+    float brdf(Vec3 wi, float subtended) const {
+        if (!frame_) return 1;
+        const Material& m = *x_->material;
+        const float alpha = std::min(1.0f, m.alpha + 0.5f * subtended);
+        const Vec3 local = frame_->to_local(wi);
+        const float lobe = ggx::eval(local, wo_, alpha).f_cos / std::max(local.z, 0.05f);
+        return lum(m.diffuse) * kInvPi + lum(m.specular) * std::max(lobe, 0.1f * kInvPi);
     }
     LampSample on_area(const AreaLamp& lamp, float choice, Square s, float probability) const {
         const AreaLampView::Sample found = AreaLampView(*scene_, lamp, x_->x).sample(choice, s);
@@ -104,6 +120,8 @@ private:
     const Surface* x_;
     uint32_t count_ = 0;
     float total_ = 0;
+    std::optional<Frame> frame_;  // of a glossy surface that is looked at
+    Vec3 wo_;
     std::array<float, kMost> weight_;
 };
 
