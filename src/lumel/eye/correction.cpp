@@ -14,7 +14,8 @@ constexpr int kWide = 9, kStride = 3;  // pixels to each side, and how far apart
 constexpr float kAlikeNormal = 0.8f;   // cosine
 constexpr float kAlikeDepth = 0.1f, kAlikeAlbedo = 0.25f;  // relative differences
 constexpr float kNear = 0.05f;         // share of rays that must have met something near; twice that, and all is believed
-constexpr float kChance = 1;           // standard errors that chance may explain
+constexpr float kEnough = 24;  // gathering samples a pixel: with fewer, less is believed, for rare bright rays may not have come yet
+constexpr float kChance = 1;  // standard errors that chance may explain
 
 /// Do two pixels see surfaces whose light is about equally well reconstructed?
 bool alike(const EyeSample& a, const EyeSample& b) {
@@ -26,14 +27,15 @@ bool alike(const EyeSample& a, const EyeSample& b) {
 /// One kind of indirect light at a pixel: the mean excess, the variance of that mean, the light itself, how much is near.
 struct Difference {
     Rgb mean, variance;
-    float light = 0, near = 0;
+    float light = 0, near = 0, samples = 0;
 };
 
 Difference difference(Rgb sum, Rgb square, float near, float samples, Rgb light, uint32_t passes) {
     if (!(samples > 0)) return {};
     const Rgb mean = sum / samples, spread = square / samples - mean * mean;
     const auto channel = [&](float s) { return std::max(0.0f, s) / static_cast<float>(passes - 1); };
-    return {mean, {channel(spread.x), channel(spread.y), channel(spread.z)}, lum(light) / static_cast<float>(passes), near / samples};
+    return {
+        mean, {channel(spread.x), channel(spread.y), channel(spread.z)}, lum(light) / static_cast<float>(passes), near / samples, samples};
 }
 
 /// lum of a variance, as if its channels were one.
@@ -57,12 +59,13 @@ struct Part {
 Part part(const Difference& own, std::span<const Difference> around, float usual, uint32_t passes) {
     const auto count = static_cast<float>(around.size());
     Rgb mean, variance;
-    float near = 0, light = 0, beyond = 0;
-    for (const Difference& d : around) mean += d.mean, variance += d.variance, near += d.near, light += sqr(d.light);
-    mean *= 1 / count, variance *= 1 / count, near /= count, light /= count;
+    float near = 0, light = 0, samples = 0, beyond = 0;
+    for (const Difference& d : around) mean += d.mean, variance += d.variance, near += d.near, light += sqr(d.light), samples += d.samples;
+    mean *= 1 / count, variance *= 1 / count, near /= count, light /= count, samples /= count;
     if (!(near > kNear)) return {};
     for (const Difference& d : around) beyond += sqr(lum(d.mean - mean)) / count;
-    const float trust = std::min(1.0f, near / kNear - 1), of_one = std::max(noise(variance), usual * light);
+    const float trust = std::min(1.0f, near / kNear - 1) * std::min(1.0f, samples / kEnough),
+                of_one = std::max(noise(variance), usual * light);
     const float smooth = trust * share(sqr(lum(mean)), of_one / count, 1, passes), single = trust * share(beyond, of_one, count, passes);
     return {mean * smooth + (own.mean - mean) * single, variance * (sqr(smooth) / count + sqr(single)), std::max(smooth, single)};
 }

@@ -12,6 +12,7 @@ namespace lumel {
 namespace {
 
 constexpr uint32_t kProbe = 4;          // one sample in so many gathers where that changed nothing yet
+constexpr float kSharp = 0.06f;         // roughness below which patches are too coarse for what is reflected: eye passes gather it
 constexpr uint32_t kSurveySamples = 8;  // per pixel, to find out which patches are visible
 
 }  // namespace
@@ -90,7 +91,7 @@ std::vector<uint32_t> visible_glossy_sides(const Accel& accel, const Lattice& la
             for (uint32_t vertex : vertices(side)) near[vertex] = 1;
     std::vector<uint32_t> sides;
     for (uint32_t side = 0; side < scene.sides(); ++side) {
-        if (scene.glossy_index(side) == Scene::kNone) continue;
+        if (scene.glossy_index(side) == Scene::kNone || scene.material(scene.triangle_of_side(side)).alpha < kSharp) continue;
         const auto ids = vertices(side);
         if (near[ids[0]] || near[ids[1]] || near[ids[2]]) sides.push_back(side);
     }

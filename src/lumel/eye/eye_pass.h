@@ -24,7 +24,8 @@ struct EyePassConfig {
 bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reconstruction& reconstruction, const PixelRadiance* pixels,
               const EyePassConfig& config, const std::atomic<bool>* stop, Film& film);
 
-/// Glossy sides that any of the cameras sees directly, and their neighbours on the lattice, in ascending order.
+/// Glossy sides that any of the cameras sees directly, and their neighbours on the lattice, in ascending order. Sharp gloss is left to the
+/// eye passes, as if it were seen in a mirror.
 std::vector<uint32_t> visible_glossy_sides(const Accel& accel, const Lattice& lattice, std::span<const Camera> cameras);
 
 }  // namespace lumel

@@ -97,9 +97,7 @@ public:
 
     SideField result() const {
         SideField smooth = field_;
-        for_each_side([&](uint32_t side) {
-            if (sides_[side].variance > 0) replace(side, smooth);
-        });
+        for_each_side([&](uint32_t side) { replace(side, smooth); });
         return smooth;
     }
 
@@ -172,6 +170,7 @@ private:
             const Around &a = around_[side], &b = around_[other];
             return (a.value - b.value) * (a.value - b.value) > kAlike * unit * (1 / a.area + 1 / b.area);
         });
+        if (!(unit > 0)) return;
         float reach = 0;
         for (uint32_t other : found) reach = std::max(reach, length(sides_[other].x - sides_[side].x));
         if (found.size() < kFewest || !(reach > 0)) return;
@@ -203,9 +202,11 @@ private:
         const Rgb mixed = (said * (1 - share) + to_double(field_.mean[side]) * share).to_float();
         smooth.mean[side] = {std::max(0.0f, mixed.x), std::max(0.0f, mixed.y), std::max(0.0f, mixed.z)};
 
-        // The errors of both are not independent: add them as if they were one.
+        // The errors of both are not independent: add them as if they were one. They have the colour of the light.
         const double left = (1 - share) * std::sqrt(said_variance) + share * std::sqrt(variance);
-        smooth.variance[side] = field_.variance[side] * static_cast<float>(std::min(1.0, left * left / sides_[side].variance));
+        const float light = lum(smooth.mean[side]);
+        const Rgb error = light > 0 ? smooth.mean[side] * (static_cast<float>(left) / light) : Rgb{};
+        smooth.variance[side] = error * error;
     }
 
     const Scene& scene_;
