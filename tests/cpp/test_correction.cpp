@@ -11,7 +11,7 @@ namespace lumel::test {
 namespace {
 
 constexpr float kNoise = 0.4f;  // of one pass
-constexpr uint32_t kSize = 32, kPasses = 16;
+constexpr uint32_t kSize = 32, kPasses = 32;
 
 /// A film of a wall whose reconstruction is 1 everywhere, while gathering finds 1 + bias(x) and noise; `near` in the left half.
 Film film_with(const std::function<float(uint32_t)>& bias) {

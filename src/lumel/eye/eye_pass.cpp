@@ -12,7 +12,7 @@ namespace lumel {
 namespace {
 
 constexpr uint32_t kProbe = 4;          // one sample in so many gathers where that changed nothing yet
-constexpr float kSharp = 0.06f;         // roughness below which patches are too coarse for what is reflected: eye passes gather it
+constexpr float kSharp = 0.03f;         // roughness below which patches are too coarse for what is reflected: eye passes gather it
 constexpr uint32_t kSurveySamples = 8;  // per pixel, to find out which patches are visible
 
 }  // namespace
