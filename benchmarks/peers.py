@@ -13,19 +13,22 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from curves import draw
-from scenes import NAMES, machine, reference_of, scene_file
+from scenes import NAMES, folder, machine, scene_file
 
 import lumel
+from lumel.images import read_picture
 from lumel.images.compare import compare
+from lumel.scene import FloatArray
 
 HERE = Path(__file__).resolve().parent
 TARGETS = (5e-3, 1e-3)  # relMSE
@@ -43,6 +46,9 @@ def main() -> None:
     parser.add_argument("--least", type=float, default=0.25, help="seconds of the shortest render (default: %(default)g)")
     parser.add_argument("--cameras", type=int, default=1, help="views to render, the first is the scene's own (default: %(default)s)")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)), help="of each renderer (default: all)")
+    parser.add_argument(
+        "--reference", type=float, default=120, help="seconds for the reference of a scene that has none (default: %(default)g)"
+    )
     parser.add_argument("--option", action="append", default=[], metavar="NAME=VALUE", help="an option of lumel.render; may be repeated")
     parser.add_argument("-o", "--out", type=Path, default=Path("out/peers"), help="folder of the curves (default: %(default)s)")
     parser.add_argument("names", nargs="*", default=NAMES, metavar="SCENE")
@@ -59,8 +65,8 @@ def main() -> None:
 
 def measure(name: str, peers: Sequence[tuple[str, str]], arguments: argparse.Namespace) -> None:
     """All renderers on one scene: a line of the table each, the ratios, and a picture of the curves."""
-    scene = scene_file(name)
-    truth = reference_of(name)
+    scene = scene_file(name, arguments.out)
+    truth = reference_of(name, scene, arguments)
     steps = np.geomspace(arguments.least, arguments.most, 1 + max(1, round(2 * np.log2(arguments.most / arguments.least))))
     task: dict[str, Any] = {"scene": str(scene), "threads": arguments.threads, "times": steps.tolist()}
     task["cameras"] = views(scene, arguments.cameras)
@@ -119,6 +125,21 @@ def run(command: list[str], task: dict[str, Any]) -> Iterator[dict[str, Any]]:
             yield json.loads(line)
     if process.returncode:
         raise SystemExit(f"{' '.join(command)} failed")
+
+
+def reference_of(name: str, scene: Path, arguments: argparse.Namespace) -> Mapping[str, FloatArray]:
+    """Layers `rgb` and `stderr` of the first camera: of a reference scene, or made by Mitsuba's path tracer and kept beside the curves."""
+    if name in NAMES:
+        return read_picture(folder() / "reference" / f"{name}.exr").layers
+    file = arguments.out / f"{scene.stem}-reference.npz"
+    if not file.exists():
+        task = {"scene": str(scene), "threads": arguments.threads, "times": [arguments.reference], "cameras": views(scene, 1)}
+        with tempfile.TemporaryDirectory() as temporary:
+            command = [arguments.mitsuba_python, str(HERE / "peer_mitsuba.py")]
+            made = next(run(command, {**task, "out": temporary, "integrator": "path", "variant": "llvm_ad_rgb"}))
+            shutil.copy(made["file"], file)
+    with np.load(file) as data:
+        return {"rgb": data["mean"][0], "stderr": data["stderr"][0]}
 
 
 def require_mitsuba(python: str) -> None:

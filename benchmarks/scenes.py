@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from pathlib import Path
 
-from lumel.images import read_picture
-from lumel.scene import FloatArray
+from generated import SCENES, write
 
 NAMES = ("bust", "cornell_glossy", "courtyard", "gallery", "spotlit")
 
@@ -20,14 +18,11 @@ def folder() -> Path:
     return shared / "scenes"
 
 
-def scene_file(name: str) -> Path:
-    """The file of a reference scene, or of one that is a file already."""
+def scene_file(name: str, out: Path) -> Path:
+    """The file of a reference scene, of a generated one, which is written to `out`, or of one that is a file already."""
+    if name in SCENES:
+        return write(name, out)
     return Path(name) if name.endswith(".xml") else folder() / f"{name}.xml"
-
-
-def reference_of(name: str) -> Mapping[str, FloatArray]:
-    """Layers `rgb` and `stderr` of the first camera of a reference scene."""
-    return read_picture(folder() / "reference" / f"{name}.exr").layers
 
 
 def machine() -> str:

@@ -24,7 +24,8 @@ SHOOT_SHARE = 0.6  # of the time that is left after the scene is ready, while no
 LOOK_AFTER = 3  # replicas, a first look at the pictures divides the time
 LOOK_SAMPLES = 2  # a pixel and pass of that look
 SHORTEST_LOOK = 1.0  # s that must be left for a look to pay
-PASS_SAMPLES = 8  # eye samples a pixel between two looks at the clock
+PASS_SAMPLES = 16  # eye samples a pixel between two looks at the clock: those of a pass are spread well, passes are independent
+WANTED_PASSES = 4  # with fewer, passes are made smaller
 FEWEST_PASSES = 2  # the spread of the passes is part of the error bars
 
 
@@ -174,7 +175,7 @@ class Schedule:
 
     def _see(self, samples: int) -> None:
         """`samples` samples a pixel for every camera."""
-        passes = max(FEWEST_PASSES, round(samples / PASS_SAMPLES))
+        passes = max(min(WANTED_PASSES, samples // LOOK_SAMPLES), FEWEST_PASSES, round(samples / PASS_SAMPLES))
         if self.was_interrupted:
             passes = FEWEST_PASSES
         for done in range(passes):
@@ -186,7 +187,7 @@ class Schedule:
     def _see_until(self, end: float) -> None:
         """As many passes as there is time for, at least FEWEST_PASSES, all of as many samples: a first look tells what a sample costs."""
         room = (end - time.monotonic()) / self._pass(1)
-        samples = max(1, min(PASS_SAMPLES, int(room / FEWEST_PASSES)))
+        samples = max(1, min(PASS_SAMPLES, int(room / WANTED_PASSES)))
         done = 1
         if samples > 1 and not self.was_interrupted:
             self.session.reconstruct()

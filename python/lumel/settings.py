@@ -18,7 +18,7 @@ TRANSPORTS = ("rays", "walk")
 AREAS = ("patches", "pixels")
 GATHER = 16.0  # gathering rays an area and 2^20 shooting rays, where the estimator divides by their density
 LARGEST_PICTURE = 32_768  # pixels a side
-BYTES_PER_PIXEL = 450  # of memory, for each camera
+BYTES_PER_PIXEL = 700  # of memory, for each camera
 BYTES_PER_PATCH = 420
 
 

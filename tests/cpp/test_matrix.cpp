@@ -116,6 +116,9 @@ std::string render(Transport transport, int threads) {
         EXPECT_TRUE(session.eye_pass(0, 4));
         EXPECT_TRUE(session.eye_pass(0, 4));
         append(bytes, session.film(0).sum), append(bytes, session.film(0).square);
+        std::vector<Rgb> corrected;
+        for (size_t pixel = 0; pixel < session.film(0).sum.size(); ++pixel) corrected.push_back(session.film(0).mean(pixel).radiance());
+        append(bytes, corrected);
     });
     return bytes;
 }

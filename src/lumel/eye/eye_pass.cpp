@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "lumel/eye/correction.h"
 #include "lumel/eye/shade.h"
 #include "lumel/sampling/hash.h"
 
@@ -10,6 +11,8 @@ namespace lumel {
 
 namespace {
 
+constexpr uint32_t kProbe = 4;          // one sample in so many gathers where that changed nothing yet
+constexpr float kSharp = 0.03f;         // roughness below which patches are too coarse for what is reflected: eye passes gather it
 constexpr uint32_t kSurveySamples = 8;  // per pixel, to find out which patches are visible
 
 }  // namespace
@@ -19,23 +22,31 @@ bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reco
     const EyeShader shader(accel, reconstruction, eye, config.direct_light, pixels != nullptr);
     const float share = 1.0f / static_cast<float>(config.samples);
     std::vector<EyeSample> pass(film.sum.size());
+    std::vector<Excess> excess(film.sum.size());
+    std::vector<uint32_t> gathered(film.sum.size());
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, film.height), [&](const auto& rows) {
         const FlushDenormals flush;
         for (uint32_t y = rows.begin(); y < rows.end(); ++y) {
             if (stop && stop->load(std::memory_order_relaxed)) return;
             for (uint32_t x = 0; x < film.width; ++x) {
                 const size_t pixel = size_t{y} * film.width + x;
+                const uint32_t stride = film.correction[pixel].more ? 1 : kProbe;
                 for (uint32_t i = 0; i < config.samples; ++i) {
                     EyeStream stream(key(config.stream, pixel), i);
                     const Square in_pixel = stream.next();
                     const Square film_point{(static_cast<float>(x) + in_pixel.u) / static_cast<float>(film.width),
                                             (static_cast<float>(y) + in_pixel.v) / static_cast<float>(film.height)};
-                    pass[pixel] += shader.sample({camera.origin, camera.direction(film_point)}, stream) * share;
+                    const bool gather = config.gather && i % stride == 0;
+                    const EyeShader::Seen seen = shader.sample({camera.origin, camera.direction(film_point)}, gather, stream);
+                    pass[pixel] += seen.sample * share;
+                    if (gather) excess[pixel] += seen.excess, ++gathered[pixel];
                 }
+                if (gathered[pixel] > 0) excess[pixel] = excess[pixel] * (1 / static_cast<float>(gathered[pixel]));
                 if (!pixels) continue;
                 pass[pixel].indirect_specular += pixels->pixels[pixel].value;
                 pass[pixel].solution_stderr += pixels->pixels[pixel].stderr_;
                 pass[pixel].trust = pixels->pixels[pixel].trust;
+                if (gathered[pixel] > 0) excess[pixel].specular = excess[pixel].specular - pixels->pixels[pixel].value;
             }
         }
     });
@@ -44,8 +55,10 @@ bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reco
         const Rgb radiance = pass[pixel].radiance();
         film.sum[pixel] += pass[pixel];
         film.square[pixel] += radiance * radiance;
+        film.gathered[pixel].add(excess[pixel], static_cast<float>(gathered[pixel]));
     }
     ++film.passes;
+    if (config.gather) correct(film);
     return true;
 }
 
@@ -78,7 +91,7 @@ std::vector<uint32_t> visible_glossy_sides(const Accel& accel, const Lattice& la
             for (uint32_t vertex : vertices(side)) near[vertex] = 1;
     std::vector<uint32_t> sides;
     for (uint32_t side = 0; side < scene.sides(); ++side) {
-        if (scene.glossy_index(side) == Scene::kNone) continue;
+        if (scene.glossy_index(side) == Scene::kNone || scene.material(scene.triangle_of_side(side)).alpha < kSharp) continue;
         const auto ids = vertices(side);
         if (near[ids[0]] || near[ids[1]] || near[ids[2]]) sides.push_back(side);
     }

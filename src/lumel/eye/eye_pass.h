@@ -14,6 +14,7 @@ namespace lumel {
 struct EyePassConfig {
     uint32_t samples = 16;      ///< per pixel and pass, spread over the pixel (box filter)
     bool direct_light = true;   ///< false without the first shot: then the solution holds the direct light too
+    bool gather = true;         ///< gather indirect light where the reconstruction is off; needs direct_light
     uint64_t stream = 0;        ///< key of the random numbers of this pass
 };
 
@@ -23,7 +24,8 @@ struct EyePassConfig {
 bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reconstruction& reconstruction, const PixelRadiance* pixels,
               const EyePassConfig& config, const std::atomic<bool>* stop, Film& film);
 
-/// Glossy sides that any of the cameras sees directly, and their neighbours on the lattice, in ascending order.
+/// Glossy sides that any of the cameras sees directly, and their neighbours on the lattice, in ascending order. Sharp gloss is left to the
+/// eye passes, as if it were seen in a mirror.
 std::vector<uint32_t> visible_glossy_sides(const Accel& accel, const Lattice& lattice, std::span<const Camera> cameras);
 
 }  // namespace lumel

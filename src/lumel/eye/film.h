@@ -30,16 +30,52 @@ struct EyeSample {
     }
 };
 
+/// What gathering found at a pixel beyond the reconstruction: indirect light, W/(m2 sr).
+struct Excess {
+    Rgb diffuse, specular;
+    float near_diffuse = 0, near_specular = 0;  ///< shares of gathering rays that met something near, 0..1
+
+    Excess& operator+=(const Excess& o) {
+        diffuse += o.diffuse, specular += o.specular, near_diffuse += o.near_diffuse, near_specular += o.near_specular;
+        return *this;
+    }
+    Excess operator*(float s) const { return {diffuse * s, specular * s, near_diffuse * s, near_specular * s}; }
+};
+
+/// What is added to the reconstruction of a pixel: see `correct`.
+struct Correction {
+    Excess value;
+    Rgb stderr_;         ///< of the value
+    float share = 0;     ///< of what was gathered in the indirect light: 0 where the reconstruction is kept, 1 where it is replaced
+    bool more = false;   ///< gathering changes the pixel: all its samples should gather
+};
+
+/// Sums over passes of what was gathered at a pixel; the mean of a pass counts by its gathering samples.
+struct Gathered {
+    Excess sum, square;
+    float samples = 0;
+
+    void add(const Excess& mean, float count) {
+        sum += mean * count;
+        square += Excess{mean.diffuse * mean.diffuse, mean.specular * mean.specular} * count;
+        samples += count;
+    }
+};
+
 /// One entry a pixel, row by row from the upper left.
 struct Film {
     uint32_t width = 0, height = 0;
     uint32_t passes = 0;             ///< independent passes summed up
     std::vector<EyeSample> sum;      ///< sum over passes of the mean of a pass
     std::vector<Rgb> square;         ///< sum over passes of the squared radiance of a pass
+    std::vector<Gathered> gathered;
+    std::vector<Correction> correction;
 
-    Film(uint32_t w, uint32_t h) : width(w), height(h), sum(size_t{w} * h), square(size_t{w} * h) {}
+    Film(uint32_t w, uint32_t h)
+        : width(w), height(h), sum(size_t{w} * h), square(size_t{w} * h), gathered(size_t{w} * h), correction(size_t{w} * h) {}
 
-    EyeSample mean(size_t pixel) const { return sum[pixel] * (1.0f / static_cast<float>(std::max(1u, passes))); }
+    /// The mean of all passes, corrected.
+    EyeSample mean(size_t pixel) const;
     /// Standard error of the pixel: the spread of the passes and the error of the solution that all of them share.
     Rgb standard_error(size_t pixel) const;
 };

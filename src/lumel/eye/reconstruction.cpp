@@ -2,6 +2,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "lumel/eye/smooth.h"
+
 namespace lumel {
 
 namespace {
@@ -18,11 +20,12 @@ std::vector<uint32_t> first_slots_of_single_areas(const Neighbourhood& neighbour
 
 Reconstruction::Reconstruction(const Scene& scene, const Lattice& lattice, const Solution& solution, const Estimator& estimator)
     : scene_(&scene), lattice_(&lattice), neighbourhood_(scene, lattice, solution.areas), specular_(solution.areas.eyes()) {
-    gather_irradiance(solution.indirect);
+    indirect_ = pool(smoothed(scene, lattice, solution.indirect));
+    direct_ = pool(solution.direct);
     for (uint32_t eye = 0; eye < solution.areas.eyes(); ++eye) estimate_specular(solution.areas, estimator, eye);
 }
 
-void Reconstruction::gather_irradiance(const SideField& indirect) {
+Reconstruction::VertexField Reconstruction::pool(const SideField& field) const {
     const size_t n = size_t{lattice_->size()} * 2;
     std::vector<double> area(n);
     std::vector<Rgb64> value(n), variance(n);
@@ -31,16 +34,17 @@ void Reconstruction::gather_irradiance(const SideField& indirect) {
         for (uint32_t vertex : lattice_->corners(scene_->patch_of_side(side))) {
             const uint32_t at = vertex_side(vertex, scene_->is_back(side));
             area[at] += a;
-            value[at] += to_double(indirect.mean[side]) * a;
-            variance[at] += to_double(indirect.variance[side]) * (a * a);
+            value[at] += to_double(field.mean[side]) * a;
+            variance[at] += to_double(field.variance[side]) * (a * a);
         }
     }
-    irradiance_.resize(n), irradiance_stderr_.resize(n);
+    VertexField pooled{std::vector<Rgb>(n), std::vector<Rgb>(n)};
     for (size_t at = 0; at < n; ++at) {
         if (!(area[at] > 0)) continue;
-        irradiance_[at] = (value[at] * (1 / area[at])).to_float();
-        irradiance_stderr_[at] = square_root((variance[at] * (1 / (area[at] * area[at]))).to_float());
+        pooled.value[at] = (value[at] * (1 / area[at])).to_float();
+        pooled.stderr_[at] = square_root((variance[at] * (1 / (area[at] * area[at]))).to_float());
     }
+    return pooled;
 }
 
 void Reconstruction::estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye) {
@@ -69,10 +73,20 @@ Reconstructed Reconstruction::irradiance(SurfacePoint p, bool back) const {
     Reconstructed r;
     for (int k = 0; k < 3; ++k) {
         const uint32_t at = vertex_side(s.vertex[k], back);
-        r.value += irradiance_[at] * s.weight[k];
-        r.stderr_ += irradiance_stderr_[at] * s.weight[k];
+        r.value += indirect_.value[at] * s.weight[k];
+        r.stderr_ += indirect_.stderr_[at] * s.weight[k];
     }
     return r;
+}
+
+Rgb Reconstruction::total_irradiance(SurfacePoint p, bool back) const {
+    const Lattice::Stencil s = lattice_->stencil(p);
+    Rgb sum;
+    for (int k = 0; k < 3; ++k) {
+        const uint32_t at = vertex_side(s.vertex[k], back);
+        sum += (indirect_.value[at] + direct_.value[at]) * s.weight[k];
+    }
+    return sum;
 }
 
 std::optional<Reconstructed> Reconstruction::specular(uint32_t eye, SurfacePoint p, bool back) const {

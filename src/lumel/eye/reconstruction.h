@@ -15,9 +15,11 @@ struct Reconstructed {
     Trust trust;  ///< of specular estimates
 };
 
-/// What a solve knows of the sides: irradiance that was shot, and the measured areas.
+/// What a solve knows of the sides: irradiance that was shot, irradiance straight from lamps (0 without the first shot), and the
+/// measured areas.
 struct Solution {
     const SideField& indirect;
+    const SideField& direct;
     const PatchAreas& areas;
 };
 
@@ -29,6 +31,8 @@ public:
 
     /// Irradiance that was shot (indirect, or all without the first shot), W/m2.
     Reconstructed irradiance(SurfacePoint p, bool back) const;
+    /// Irradiance of all light, W/m2: what a ray finds that meets the surface from afar.
+    Rgb total_irradiance(SurfacePoint p, bool back) const;
     /// Indirect specular radiance towards an eye, W/(m2 sr); nothing where none of the vertices around was measured.
     std::optional<Reconstructed> specular(uint32_t eye, SurfacePoint p, bool back) const;
 
@@ -39,13 +43,17 @@ public:
     double flagged() const { return measured_ > 0 ? static_cast<double>(flagged_) / measured_ : 0; }
 
 private:
-    void gather_irradiance(const SideField& indirect);
+    /// A value and its standard error at every vertex and side.
+    struct VertexField {
+        std::vector<Rgb> value, stderr_;
+    };
+    VertexField pool(const SideField& field) const;
     void estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye);
     uint32_t vertex_side(uint32_t vertex, bool back) const { return vertex + (back ? lattice_->size() : 0); }
 
     const Scene* scene_;
     const Lattice* lattice_;
-    std::vector<Rgb> irradiance_, irradiance_stderr_;  // per vertex and side
+    VertexField indirect_, direct_;
     Neighbourhood neighbourhood_;
     std::vector<std::vector<Reconstructed>> specular_;           // per eye and slot of the neighbourhood
     uint32_t borrowed_ = 0, unfilled_ = 0, measured_ = 0, flagged_ = 0;

@@ -1,10 +1,14 @@
 #include "lumel/eye/shade.h"
 
+#include "lumel/sampling/warp.h"
+
 namespace lumel {
 
 namespace {
 
 constexpr int kMirrors = 64, kLobes = 32;
+constexpr float kNear = 2;          // patches: what is closer may make the reconstruction be off
+constexpr float kRoundLobe = 0.5f;  // roughness of a lobe that is about as wide as a diffuse one
 
 /// Draw the other direction of the specular lobe around `wo`; `scatter` is w_s / pdf_w.
 struct LobeDraw {
@@ -57,23 +61,25 @@ EyeShader::Meeting EyeShader::meet(Ray& ray, EyeStream& stream) const {
     return m;
 }
 
-EyeSample EyeShader::sample(Ray ray, EyeStream& stream) const {
+EyeShader::Seen EyeShader::sample(Ray ray, bool gather, EyeStream& stream) const {
     const Meeting m = meet(ray, stream);
-    EyeSample s;
+    Seen seen;
+    EyeSample& s = seen.sample;
     s.depth = m.distance;
     s.emission = m.emission + m.mirrored_emission;
-    if (m.hit.is_miss()) return s;
+    if (m.hit.is_miss()) return seen;
     const SurfacePoint p = m.hit.point();
     const bool back = m.hit.back;
     const Surface x(scene_, p, back);
     const Vec3 wo = -ray.direction;
     s.normal = x.shading;
-    if (!x.scatters) return s;
+    if (!x.scatters) return seen;
 
     const float cos = dot(x.shading, wo);
     const bool glossy = x.material->is_glossy() && cos > 0;
     s.albedo = m.throughput * (x.material->diffuse + (glossy ? x.material->albedo_s(cos) : Rgb{}));
     if (direct_light_) s.direct = lamps(x, wo, stream);
+    const float size = std::sqrt(scene_.patch_area(scene_.patch_of(p)));
     const Reconstructed irradiance = reconstruction_.irradiance(p, back);
     s.indirect_diffuse = x.material->diffuse * irradiance.value * kInvPi;
     s.solution_stderr = x.material->diffuse * irradiance.stderr_ * kInvPi;
@@ -84,21 +90,34 @@ EyeSample EyeShader::sample(Ray ray, EyeStream& stream) const {
         const bool measured_in_pixel = pixels_ && m.mirrors == 0;
         std::optional<Reconstructed> specular;
         if (m.mirrors == 0 && !pixels_) specular = reconstruction_.specular(eye_, p, back);
-        const LobeLight light = lobe(x, wo, !specular && !measured_in_pixel, stream);
+        const bool measured = specular || measured_in_pixel;
+        const LobeLight light = lobe(x, wo, gather || !measured, size * std::max(1.0f, kRoundLobe / x.material->alpha), stream);
         s.direct += light.direct;
-        s.indirect_specular = light.indirect;
         if (specular) {
             s.indirect_specular = specular->value;
             s.solution_stderr += specular->stderr_;
             s.trust = specular->trust;
+        } else if (!measured) {
+            s.indirect_specular = light.indirect;
+        }
+        if (measured) {
+            seen.excess.specular = light.indirect - s.indirect_specular;
+            seen.excess.near_specular = light.near ? 1.0f : 0.0f;
         }
     }
-    for (Rgb* radiance : {&s.direct, &s.indirect_diffuse, &s.indirect_specular, &s.solution_stderr}) *radiance *= m.throughput;
-    return s;
+    if (gather && max_component(x.material->diffuse) > 0) {
+        const Brought brought = gather_irradiance(x, size, stream);
+        seen.excess.diffuse = x.material->diffuse * brought.radiance - s.indirect_diffuse;
+        seen.excess.near_diffuse = brought.near ? 1.0f : 0.0f;
+    }
+    for (Rgb* radiance :
+         {&s.direct, &s.indirect_diffuse, &s.indirect_specular, &s.solution_stderr, &seen.excess.diffuse, &seen.excess.specular})
+        *radiance *= m.throughput;
+    return seen;
 }
 
 Rgb EyeShader::lamps(const Surface& x, Vec3 wo, EyeStream& stream) const {
-    const LampView view(scene_, x);
+    const LampView view(scene_, x, &wo);
     const float choice = stream.next_one();
     const LampSample lamp = view.sample(choice, stream.next());
     const float cos = dot(x.shading, lamp.wi);
@@ -114,7 +133,7 @@ Rgb EyeShader::lamps(const Surface& x, Vec3 wo, EyeStream& stream) const {
     return scatter * lamp.radiance * (1 / lamp.pdf_w);
 }
 
-EyeShader::LobeLight EyeShader::lobe(const Surface& x, Vec3 wo, bool indirect, EyeStream& stream) const {
+EyeShader::LobeLight EyeShader::lobe(const Surface& x, Vec3 wo, bool indirect, float size, EyeStream& stream) const {
     if (!indirect && (!direct_light_ || scene_.area_lamps().empty())) return {};
     const LobeDraw draw = draw_lobe(x, wo, stream.next());
     if (!(draw.pdf_w > 0)) return {};
@@ -124,21 +143,31 @@ EyeShader::LobeLight EyeShader::lobe(const Surface& x, Vec3 wo, bool indirect, E
     if (!hit.is_miss() && !hit.back && scene_.lamp_of(hit.triangle) >= 0) {
         const Rgb emission = draw.scatter * scene_.emission(hit.triangle);
         if (direct_light_)
-            light.direct = emission * share_of_lobe(x, draw.pdf_w, ray, hit);
+            light.direct = emission * share_of_lobe(x, wo, draw.pdf_w, ray, hit);
         else if (indirect)
             light.indirect = emission;
     }
-    if (indirect) light.indirect += gather(ray, draw.scatter, stream);
+    if (indirect) {
+        const Brought brought = gather(ray, draw.scatter, false, size, stream);
+        light.indirect += brought.radiance, light.near = brought.near;
+    }
     return light;
 }
 
-float EyeShader::share_of_lobe(const Surface& x, float pdf_w, const Ray& ray, const Hit& hit) const {
+float EyeShader::share_of_lobe(const Surface& x, Vec3 wo, float pdf_w, const Ray& ray, const Hit& hit) const {
     const float distance = length(scene_.position(hit.point()) - ray.origin);
-    return pdf_w / (pdf_w + LampView(scene_, x).pdf_w(hit.triangle, ray.direction, distance));
+    return pdf_w / (pdf_w + LampView(scene_, x, &wo).pdf_w(hit.triangle, ray.direction, distance));
 }
 
-Rgb EyeShader::gather(Ray ray, Rgb throughput, EyeStream& stream) const {
-    Rgb sum;
+EyeShader::Brought EyeShader::gather_irradiance(const Surface& x, float size, EyeStream& stream) const {
+    const Vec3 wi = Frame(x.shading).to_world(square_to_cosine_hemisphere(stream.next()));
+    if (!(dot(x.normal, wi) > 0)) return {};
+    return gather({x.off(scene_.epsilon()), wi}, {1, 1, 1}, true, size, stream);
+}
+
+EyeShader::Brought EyeShader::gather(Ray ray, Rgb throughput, bool coarse, float size, EyeStream& stream) const {
+    Brought brought;
+    Rgb& sum = brought.radiance;
     for (int step = 0; step < kLobes; ++step) {
         const Meeting m = meet(ray, stream);
         sum += throughput * m.mirrored_emission;
@@ -147,6 +176,14 @@ Rgb EyeShader::gather(Ray ray, Rgb throughput, EyeStream& stream) const {
         const Surface x(scene_, m.hit.point(), m.hit.back);
         if (!x.scatters) break;
         const Vec3 wo = -ray.direction;
+        const Vec3 way = x.x - ray.origin;
+        const float area = scene_.patch_area(scene_.patch_of(m.hit.point()));
+        const bool near = dot(way, way) < sqr(kNear) * std::max(area, sqr(size));
+        if (step == 0) brought.near = near;
+        if (coarse && !near && !x.material->is_glossy()) {
+            sum += throughput * x.material->diffuse * reconstruction_.total_irradiance(m.hit.point(), m.hit.back) * kInvPi;
+            break;
+        }
         sum += throughput * x.material->diffuse * reconstruction_.irradiance(m.hit.point(), m.hit.back).value * kInvPi;
         if (direct_light_) sum += throughput * lamps(x, wo, stream);
 
@@ -162,9 +199,9 @@ Rgb EyeShader::gather(Ray ray, Rgb throughput, EyeStream& stream) const {
         // A lamp that it meets at once could have been sampled from x as well.
         const Hit hit = accel_.intersect(ray);
         if (!hit.is_miss() && !hit.back && scene_.lamp_of(hit.triangle) >= 0)
-            sum += throughput * scene_.emission(hit.triangle) * (direct_light_ ? share_of_lobe(x, draw.pdf_w, ray, hit) : 1.0f);
+            sum += throughput * scene_.emission(hit.triangle) * (direct_light_ ? share_of_lobe(x, wo, draw.pdf_w, ray, hit) : 1.0f);
     }
-    return sum;
+    return brought;
 }
 
 }  // namespace lumel

@@ -29,7 +29,12 @@ public:
     EyeShader(const Accel& accel, const Reconstruction& reconstruction, uint32_t eye, bool direct_light, bool pixels)
         : accel_(accel), scene_(accel.scene()), reconstruction_(reconstruction), eye_(eye), direct_light_(direct_light), pixels_(pixels) {}
 
-    EyeSample sample(Ray ray, EyeStream& stream) const;
+    /// What a ray sees, and if `gather` (lamps must be sampled here), what one gathering ray of each lobe finds beyond it.
+    struct Seen {
+        EyeSample sample;
+        Excess excess;
+    };
+    Seen sample(Ray ray, bool gather, EyeStream& stream) const;
 
 private:
     /// A surface met after any number of mirrors.
@@ -45,14 +50,25 @@ private:
     /// Lamp light reflected at x, by sampling lamps: diffuse alone, and specular weighed against lobe sampling.
     Rgb lamps(const Surface& x, Vec3 wo, EyeStream& stream) const;
     /// Light that one ray of the specular lobe brings: from lamps (weighed against `lamps`), and if `indirect`, from the solution too.
+    /// `size`: see `gather`.
     struct LobeLight {
         Rgb direct, indirect;
+        bool near = false;  ///< see Brought
     };
-    LobeLight lobe(const Surface& x, Vec3 wo, bool indirect, EyeStream& stream) const;
+    LobeLight lobe(const Surface& x, Vec3 wo, bool indirect, float size, EyeStream& stream) const;
     /// Share that a lamp met by a ray of the lobe has against `lamps`, which could have drawn it: the balance heuristic.
-    float share_of_lobe(const Surface& x, float pdf_w, const Ray& ray, const Hit& hit) const;
+    float share_of_lobe(const Surface& x, Vec3 wo, float pdf_w, const Ray& ray, const Hit& hit) const;
+    /// What one ray brings.
+    struct Brought {
+        Rgb radiance;
+        bool near = false;  ///< it met something so close that the reconstruction may be off where it came from
+    };
+    /// Indirect irradiance over pi at x, W/(m2 sr), from one ray with density cos/pi.
+    Brought gather_irradiance(const Surface& x, float size, EyeStream& stream) const;
     /// Radiance along `ray`, but what its first surface emits: diffuse from the patches, lamps sampled, specular lobes followed.
-    Rgb gather(Ray ray, Rgb throughput, EyeStream& stream) const;
+    /// `coarse`: the light of lamps on what is not near and diffuse comes from the patches too. `size`: of the patch that the ray left,
+    /// m, longer for narrow lobes.
+    Brought gather(Ray ray, Rgb throughput, bool coarse, float size, EyeStream& stream) const;
 
     const Accel& accel_;
     const Scene& scene_;

@@ -183,6 +183,10 @@ void Scene::find_lamps() {
         for (uint32_t t : lamp.triangles)
             for (uint32_t vertex : indices_[t]) lamp.radius = std::max(lamp.radius, length(vertices_[vertex] - lamp.centre));
     }
+    std::vector<LampBall> balls;
+    for (const AreaLamp& lamp : area_lamps_) balls.push_back({lamp.centre, lamp.radius, lum(lamp.radiance) * lamp.area});
+    for (const PointLamp& lamp : point_lamps_) balls.push_back({lamp.position, 0, lum(lamp.intensity)});
+    lamp_tree_ = LampTree(balls);
 }
 
 SurfacePoint Scene::point_on_patch(uint32_t patch, Square b) const {

@@ -44,8 +44,8 @@ SideField Session::indirect() const {
 }
 
 void Session::reconstruct() {
-    const SideField shot = indirect();
-    reconstruction_.emplace(scene_, lattice_, Solution{shot, solver_->areas()}, *config_.estimator);
+    const SideField shot = indirect(), direct = solver_->direct();
+    reconstruction_.emplace(scene_, lattice_, Solution{shot, direct, solver_->areas()}, *config_.estimator);
     pixels_.clear();
     for (uint32_t c = 0; solver_->pixels() && c < cameras_.size(); ++c)
         pixels_.push_back(estimate_pixels(*solver_->pixels(), c, *config_.estimator));
@@ -89,7 +89,8 @@ std::vector<MeasuredArea> Session::measured(uint32_t camera, const Estimator& es
 
 bool Session::eye_pass(uint32_t camera, uint32_t samples) {
     Film& film = films_[camera];
-    const EyePassConfig pass{samples, config_.solver.first_shot, key(config_.solver.seed, kEye, camera, film.passes)};
+    const bool first_shot = config_.solver.first_shot;
+    const EyePassConfig pass{samples, first_shot, first_shot, key(config_.solver.seed, kEye, camera, film.passes)};
     return lumel::eye_pass(accel_, cameras_[camera], camera, *reconstruction_, pixels(camera), pass, &stop_, film);
 }
 

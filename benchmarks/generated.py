@@ -1,0 +1,191 @@
+"""Scenes made by code for measuring, each hard in one way; written as Mitsuba XML with rectangles and cubes, so that both renderers read
+the same file.
+
+python benchmarks/generated.py FOLDER writes them all.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+Rgb = tuple[float, float, float]
+Point = tuple[float, float, float]
+SIZE = (192, 144)  # pixels
+
+
+class Writer:
+    """The XML of a scene under way. Rectangles and cubes have centre, half extents and turns in degrees about x, then y."""
+
+    def __init__(self) -> None:
+        self.lines = ['<scene version="3.0.0">', '  <integrator type="path"><integer name="max_depth" value="-1"/></integrator>']
+
+    def matt(self, name: str, albedo: Rgb) -> str:
+        """A diffuse material; gives its name."""
+        self.lines.append(f'  <bsdf type="twosided" id="{name}"><bsdf type="diffuse">{_rgb("reflectance", albedo)}</bsdf></bsdf>')
+        return name
+
+    def gloss(self, name: str, albedo: Rgb, alpha: float, share: float, tint: Rgb = (1, 1, 1)) -> str:
+        """`share` of GGX of roughness alpha over a diffuse rest."""
+        self.lines.append(
+            f'  <bsdf type="twosided" id="{name}"><bsdf type="blendbsdf"><float name="weight" value="{share}"/>'
+            f'<bsdf type="diffuse">{_rgb("reflectance", albedo)}</bsdf>'
+            '<bsdf type="roughconductor"><string name="material" value="none"/><string name="distribution" value="ggx"/>'
+            f'<float name="alpha" value="{alpha}"/>{_rgb("specular_reflectance", tint)}</bsdf></bsdf></bsdf>'
+        )
+        return name
+
+    def shape(
+        self, kind: str, material: str, centre: Point, half: Point, turn: tuple[float, float] = (0, 0), emission: Rgb | None = None
+    ) -> None:
+        """A `rectangle` (in x and y, facing +z before it is turned) or a `cube`."""
+        lamp = f'<emitter type="area">{_rgb("radiance", emission)}</emitter>' if emission else ""
+        self.lines.append(
+            f'  <shape type="{kind}"><transform name="to_world"><scale x="{half[0]}" y="{half[1]}" z="{half[2]}"/>'
+            f'<rotate x="1" angle="{turn[0]}"/><rotate y="1" angle="{turn[1]}"/>'
+            f'<translate x="{centre[0]}" y="{centre[1]}" z="{centre[2]}"/></transform><ref id="{material}"/>{lamp}</shape>'
+        )
+
+    def room(self, size: Point, materials: Sequence[str | None]) -> None:
+        """A room over [-x, x] x [0, y] x [-z, z]; materials of floor, ceiling, left, right, back, front, None for an open side."""
+        x, y, z = size[0], size[1] / 2, size[2]
+        sides = (
+            ((0, 0, 0), (x, z, 1), (-90, 0)),
+            ((0, 2 * y, 0), (x, z, 1), (90, 0)),
+            ((-x, y, 0), (z, y, 1), (0, 90)),
+            ((x, y, 0), (z, y, 1), (0, -90)),
+            ((0, y, -z), (x, y, 1), (0, 0)),
+            ((0, y, z), (x, y, 1), (0, 180)),
+        )
+        for (centre, half, turn), material in zip(sides, materials, strict=True):
+            if material:
+                self.shape("rectangle", material, centre, half, turn)
+
+    def lamp(self, centre: Point, half: tuple[float, float], radiance: Rgb, turn: tuple[float, float] = (90, 0)) -> None:
+        """A black rectangle that emits; it faces down unless it is turned."""
+        self.shape("rectangle", "black", centre, (*half, 1), turn, radiance)
+
+    def camera(self, origin: Point, target: Point, fov: float = 70) -> None:
+        """A pinhole camera."""
+        place = f'<lookat origin="{_list(origin)}" target="{_list(target)}" up="0,1,0"/>'
+        self.lines.append(
+            f'  <sensor type="perspective" id="main"><string name="fov_axis" value="x"/><float name="fov" value="{fov}"/>'
+            f'<transform name="to_world">{place}</transform><film type="hdrfilm"><integer name="width" value="{SIZE[0]}"/>'
+            f'<integer name="height" value="{SIZE[1]}"/><rfilter type="box"/><string name="pixel_format" value="rgb"/></film>'
+            '<sampler type="independent"/></sensor>'
+        )
+
+    def text(self) -> str:
+        """The whole file."""
+        return "\n".join([*self.lines, "</scene>", ""])
+
+
+def _list(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values)
+
+
+def _rgb(name: str, values: Rgb) -> str:
+    return f'<rgb name="{name}" value="{_list(values)}"/>'
+
+
+def start() -> tuple[Writer, str, str, str]:
+    """A writer, and the names of a white, a red and a glossy material; `black` is there too."""
+    w = Writer()
+    w.matt("black", (0, 0, 0))
+    white, red = w.matt("white", (0.72, 0.72, 0.7)), w.matt("red", (0.6, 0.15, 0.1))
+    return w, white, red, w.gloss("gloss", (0.4, 0.38, 0.35), 0.15, 0.4)
+
+
+def lamps() -> Writer:
+    """Many small lamps of different strength over a glossy floor, boxes between them."""
+    w, white, red, gloss = start()
+    w.room((2, 2, 2), (gloss, white, red, white, white, white))
+    for i in range(12):
+        for j in range(12):
+            power = 30.0 * (1 + (7 * i + 5 * j) % 11)
+            w.lamp((-1.8 + 3.6 * i / 11, 1.99, -1.8 + 3.6 * j / 11), (0.01, 0.01), (power, power * 0.9, power * 0.7))
+    for i in range(3):
+        w.shape("cube", white if i % 2 else red, (-1 + i, 0.4, -0.5 + 0.4 * (i % 2)), (0.25, 0.4, 0.25), (0, 20 * i))
+    w.camera((0, 1.2, 1.9), (0, 0.6, -0.5))
+    return w
+
+
+def indirect() -> Writer:
+    """A lamp in a trough that lights the ceiling alone: all else is indirect."""
+    w, white, red, gloss = start()
+    w.room((1.5, 2.5, 1.5), (gloss, white, red, white, white, white))
+    w.shape("cube", white, (0, 1.7, -1.35), (1.2, 0.02, 0.15))
+    w.shape("cube", white, (0, 1.82, -1.2), (1.2, 0.14, 0.01))
+    w.lamp((0, 1.74, -1.36), (1.1, 0.05), (25, 22, 18), (-90, 0))
+    w.shape("cube", white, (-0.5, 0.35, -0.3), (0.3, 0.35, 0.3), (0, 25))
+    w.shape("cube", gloss, (0.6, 0.2, 0.2), (0.25, 0.2, 0.25), (0, -15))
+    w.camera((0.3, 1.3, 1.45), (0, 0.9, -0.6))
+    return w
+
+
+def corridor() -> Writer:
+    """A long corridor with a turn; the lamp is behind the corner."""
+    w, white, red, gloss = start()
+    w.room((4, 2.2, 4), (gloss, white, white, red, white, white))
+    w.shape("cube", white, (-0.8, 1.1, 0.8), (3.19, 1.1, 3.19))
+    w.lamp((-3.0, 2.19, -3.2), (0.4, 0.4), (40, 36, 30))
+    w.camera((3.2, 1.3, 3.8), (3.1, 1.0, -4))
+    return w
+
+
+def screens() -> Writer:
+    """Thin slats before a lamp: narrow shadows, light on both sides of thin walls."""
+    w, white, red, gloss = start()
+    w.room((1.5, 2, 1.5), (gloss, white, red, white, white, white))
+    for i in range(14):
+        w.shape("cube", white, (-1.3 + 0.2 * i, 1.0, -0.4), (0.05, 0.8, 0.004), (0, 35))
+    w.lamp((0, 1.2, -1.45), (0.5, 0.3), (20, 18, 14), (0, 0))
+    w.lamp((0.9, 1.99, 0.9), (0.1, 0.1), (20, 20, 22))
+    w.camera((-0.6, 1.2, 1.45), (0.1, 0.8, -0.6))
+    return w
+
+
+def porch() -> Writer:
+    """Open to the black sky: a roof on posts, a lamp under it, one in the open."""
+    w, white, red, gloss = start()
+    w.room((2.5, 2, 2.5), (gloss, None, None, None, white, None))
+    w.shape("cube", red, (0, 1.95, -1.3), (1.6, 0.05, 1.2))
+    for x in (-1.4, -0.5, 0.5, 1.4):
+        w.shape("cube", white, (x, 0.95, -0.2), (0.06, 0.95, 0.06))
+    w.lamp((0, 1.88, -1.4), (0.2, 0.2), (30, 28, 24))
+    w.lamp((2, 1.5, 1), (0.1, 0.1), (60, 60, 70), (0, -100))
+    w.shape("cube", gloss, (0.2, 0.3, 0.6), (0.3, 0.3, 0.3), (0, 30))
+    w.camera((-1.2, 1.3, 3.2), (0.1, 0.7, -0.6), 60)
+    return w
+
+
+def sharp() -> Writer:
+    """Sharp gloss, alpha 0.02 to 0.1, and contacts on it."""
+    w, white, red, _ = start()
+    floor = w.gloss("floor", (0.3, 0.3, 0.3), 0.05, 0.5)
+    back = w.gloss("back", (0.5, 0.45, 0.4), 0.02, 0.4)
+    bronze = w.gloss("bronze", (0.3, 0.2, 0.1), 0.1, 0.7, (0.95, 0.75, 0.5))
+    w.room((1.5, 2, 1.5), (floor, white, red, white, back, white))
+    w.shape("cube", bronze, (-0.5, 0.4, -0.4), (0.3, 0.4, 0.3), (0, 25))
+    w.shape("cube", white, (0.5, 0.25, 0.1), (0.25, 0.25, 0.25), (0, -20))
+    w.shape("cube", red, (0.1, 0.05, 0.7), (0.4, 0.05, 0.1), (0, 10))
+    w.lamp((0.3, 1.99, 0.2), (0.35, 0.25), (14, 13, 11))
+    w.camera((0, 1.1, 1.45), (0, 0.6, -0.6))
+    return w
+
+
+SCENES: dict[str, Callable[[], Writer]] = {f.__name__: f for f in (lamps, indirect, corridor, screens, porch, sharp)}
+
+
+def write(name: str, folder: Path) -> Path:
+    """Write a scene; gives its file."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / f"{name}.xml"
+    file.write_text(SCENES[name]().text(), encoding="utf-8")
+    return file
+
+
+if __name__ == "__main__":
+    for scene in SCENES:
+        print(write(scene, Path(sys.argv[1])))

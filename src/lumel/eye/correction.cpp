@@ -1,0 +1,127 @@
+#include "lumel/eye/correction.h"
+
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <span>
+
+namespace lumel {
+
+namespace {
+
+constexpr int kReach = 2;              // pixels to each side that may be alike
+constexpr int kWide = 9, kStride = 3;  // pixels to each side, and how far apart, for the usual noise
+constexpr float kAlikeNormal = 0.8f;   // cosine
+constexpr float kAlikeDepth = 0.1f, kAlikeAlbedo = 0.25f;  // relative differences
+constexpr float kNear = 0.05f;         // share of rays that must have met something near; twice that, and all is believed
+constexpr float kEnough = 24;  // gathering samples a pixel: with fewer, less is believed, for rare bright rays may not have come yet
+constexpr float kChance = 1;  // standard errors that chance may explain
+
+/// Do two pixels see surfaces whose light is about equally well reconstructed?
+bool alike(const EyeSample& a, const EyeSample& b) {
+    const float normals = dot(a.normal, b.normal), albedo = lum(a.albedo);
+    return normals > 0 && sqr(normals) > sqr(kAlikeNormal) * dot(a.normal, a.normal) * dot(b.normal, b.normal) &&
+           std::abs(a.depth - b.depth) <= kAlikeDepth * a.depth && std::abs(lum(b.albedo) - albedo) <= kAlikeAlbedo * albedo;
+}
+
+/// One kind of indirect light at a pixel: the mean excess, the variance of that mean, the light itself, how much is near.
+struct Difference {
+    Rgb mean, variance;
+    float light = 0, near = 0, samples = 0;
+};
+
+Difference difference(Rgb sum, Rgb square, float near, float samples, Rgb light, uint32_t passes) {
+    if (!(samples > 0)) return {};
+    const Rgb mean = sum / samples, spread = square / samples - mean * mean;
+    const auto channel = [&](float s) { return std::max(0.0f, s) / static_cast<float>(passes - 1); };
+    return {
+        mean, {channel(spread.x), channel(spread.y), channel(spread.z)}, lum(light) / static_cast<float>(passes), near / samples, samples};
+}
+
+/// lum of a variance, as if its channels were one.
+float noise(Rgb variance) { return sqr(lum(square_root(variance))); }
+
+/// Share of a difference that is worth adding: `square` is the mean of its squares over `count` pixels, `variance` what noise makes of it.
+float share(float square, float variance, float count, uint32_t passes) {
+    if (!(square > 0)) return 0;
+    const float chance = kChance * std::sqrt(2 / count * (1 + 1 / static_cast<float>(passes - 1)));
+    const float error = std::max(0.0f, square - variance * (1 + chance));
+    return error / (error + variance);
+}
+
+struct Part {
+    Rgb value, variance;
+    float share = 0;
+};
+
+/// The correction of a pixel from its own difference and those of the pixels like it, itself among them. `usual`: variance of
+/// differences over the square of the light, in a wider neighbourhood: rare bright rays may have missed a small one.
+Part part(const Difference& own, std::span<const Difference> around, float usual, uint32_t passes) {
+    const auto count = static_cast<float>(around.size());
+    Rgb mean, variance;
+    float near = 0, light = 0, samples = 0, beyond = 0;
+    for (const Difference& d : around) mean += d.mean, variance += d.variance, near += d.near, light += sqr(d.light), samples += d.samples;
+    mean *= 1 / count, variance *= 1 / count, near /= count, light /= count, samples /= count;
+    if (!(near > kNear)) return {};
+    for (const Difference& d : around) beyond += sqr(lum(d.mean - mean)) / count;
+    const float trust = std::min(1.0f, near / kNear - 1) * std::min(1.0f, samples / kEnough),
+                of_one = std::max(noise(variance), usual * light);
+    const float smooth = trust * share(sqr(lum(mean)), of_one / count, 1, passes), single = trust * share(beyond, of_one, count, passes);
+    return {mean * smooth + (own.mean - mean) * single, variance * (sqr(smooth) / count + sqr(single)), std::max(smooth, single)};
+}
+
+/// The differences of one kind of light in all pixels.
+struct Differences {
+    const Film& film;
+    std::vector<Difference> all;
+
+    template <class Get>
+    Differences(const Film& f, const Get& get) : film(f) {
+        all.reserve(f.sum.size());
+        for (size_t pixel = 0; pixel < f.sum.size(); ++pixel) all.push_back(get(f.gathered[pixel], f.sum[pixel]));
+    }
+
+    /// Visit the pixels up to `reach` away to each side, in steps.
+    template <class Body>
+    void for_each_around(int x, int y, int reach, int step, const Body& body) const {
+        for (int j = y - reach; j <= y + reach; j += step)
+            for (int i = x - reach; i <= x + reach; i += step)
+                if (i >= 0 && j >= 0 && i < static_cast<int>(film.width) && j < static_cast<int>(film.height))
+                    body(size_t{film.width} * static_cast<size_t>(j) + static_cast<size_t>(i));
+    }
+    Part at(int x, int y) const {
+        const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
+        std::array<Difference, (2 * kReach + 1) * (2 * kReach + 1)> around;
+        size_t count = 0;
+        for_each_around(x, y, kReach, 1, [&](size_t other) {
+            if (other == pixel || alike(film.sum[pixel], film.sum[other])) around[count++] = all[other];
+        });
+        float variance = 0, light = 0;
+        for_each_around(x, y, kWide, kStride,
+                        [&](size_t other) { variance += noise(all[other].variance), light += sqr(all[other].light); });
+        return part(all[pixel], std::span(around).first(count), light > 0 ? variance / light : 0, film.passes);
+    }
+};
+
+}  // namespace
+
+void correct(Film& film) {
+    if (film.passes < 2) return;
+    const Differences diffuse(film, [&](const Gathered& g, const EyeSample& s) {
+        return difference(g.sum.diffuse, g.square.diffuse, g.sum.near_diffuse, g.samples, s.indirect_diffuse, film.passes);
+    });
+    const Differences specular(film, [&](const Gathered& g, const EyeSample& s) {
+        return difference(g.sum.specular, g.square.specular, g.sum.near_specular, g.samples, s.indirect_specular, film.passes);
+    });
+    tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
+        for (int x = 0; x < static_cast<int>(film.width); ++x) {
+            const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
+            const Part d = diffuse.at(x, y), s = specular.at(x, y);
+            const float light_d = std::abs(diffuse.all[pixel].light), light_s = std::abs(specular.all[pixel].light);
+            const float share = light_d + light_s > 0 ? (d.share * light_d + s.share * light_s) / (light_d + light_s) : 0;
+            film.correction[pixel] = {{d.value, s.value}, square_root(d.variance + s.variance), share, d.share > 0 || s.share > 0};
+        }
+    });
+}
+
+}  // namespace lumel

@@ -1,0 +1,96 @@
+// Gathering corrects the reconstruction where that is off, and leaves it alone elsewhere.
+#include <gtest/gtest.h>
+
+#include "lumel/eye/correction.h"
+#include "lumel/eye/eye_pass.h"
+#include "lumel/solver/session.h"
+#include "scenes.h"
+
+namespace lumel::test {
+
+namespace {
+
+constexpr float kNoise = 0.4f;  // of one pass
+constexpr uint32_t kSize = 32, kPasses = 32;
+
+/// A film of a wall whose reconstruction is 1 everywhere, while gathering finds 1 + bias(x) and noise; `near` in the left half.
+Film film_with(const std::function<float(uint32_t)>& bias) {
+    Film film(kSize, kSize);
+    for (film.passes = 0; film.passes < kPasses; ++film.passes)
+        for (uint32_t pixel = 0; pixel < kSize * kSize; ++pixel) {
+            EyeSample seen;
+            seen.indirect_diffuse = grey(1), seen.albedo = grey(0.5f), seen.normal = {0, 0, 1}, seen.depth = 2;
+            film.sum[pixel] += seen;
+            Rng rng(key(3, pixel, film.passes));
+            const float noise = kNoise * std::sqrt(12.0f) * (rng.uniform() - 0.5f);
+            const uint32_t x = pixel % kSize;
+            film.gathered[pixel].add({grey(bias(x) + noise), {}, x < kSize / 2 ? 0.3f : 0.0f, 0}, 1);
+        }
+    correct(film);
+    return film;
+}
+
+/// Mean square of what is left of the bias in columns `first` to `last`.
+double left_error(const Film& film, const std::function<float(uint32_t)>& bias, uint32_t first, uint32_t last) {
+    double sum = 0;
+    for (uint32_t y = 0; y < kSize; ++y)
+        for (uint32_t x = first; x < last; ++x) sum += sqr(film.mean(y * kSize + x).indirect_diffuse.y - 1 - bias(x));
+    return sum / (kSize * (last - first));
+}
+
+}  // namespace
+
+TEST(Correction, mends_what_is_off_and_adds_little_noise_elsewhere) {
+    const double noise = sqr(kNoise) / kPasses;
+    // A smooth error is mended at a small part of the noise of gathering, a fine one at less than all of it.
+    const auto smooth = [](uint32_t) { return -0.3f; };
+    EXPECT_LT(left_error(film_with(smooth), smooth, 2, 14), 0.3 * noise);
+    const auto fine = [](uint32_t x) { return x % 2 ? 0.5f : -0.5f; };
+    EXPECT_LT(left_error(film_with(fine), fine, 2, 14), 1.2 * noise);
+    const auto nothing = [](uint32_t) { return 0.0f; };
+    EXPECT_LT(left_error(film_with(nothing), nothing, 2, 14), 0.1 * noise);
+    // Where nothing is near, nothing is touched.
+    EXPECT_EQ(left_error(film_with(nothing), nothing, 20, kSize), 0);
+}
+
+TEST(Correction, brings_coarse_patches_to_what_fine_ones_show_at_a_contact) {
+    const auto room = [](uint64_t patches) {
+        SceneBuilder b;
+        const uint32_t white = b.material(matt(0.7f));
+        b.shape(white).box({0, 0, 0}, {1, 1, 1}, true).box({0.35f, 0.35f, 0.0f}, {0.65f, 0.65f, 0.3f}, false);
+        b.shape(b.material(matt(0)), grey(10)).quad({0.1f, 0.1f, 0.99f}, {0, 0.2f, 0}, {0.2f, 0, 0});
+        return b.build(patches);
+    };
+    const Camera camera{.origin = {0.95f, 0.5f, 0.5f},
+                        .right = {0, 1, 0},
+                        .up = normalize({-0.6f, 0, 1}),
+                        .forward = normalize({-1, 0, -0.6f}),
+                        .tan_x = 0.5f,
+                        .tan_y = 0.5f,
+                        .width = 32,
+                        .height = 32};
+    const auto picture = [&](uint64_t patches, uint64_t rays, bool gather) {
+        Session session(room(patches), {camera}, {.solver = {.seed = 5}});
+        for (int replica = 0; replica < 4; ++replica) {
+            session.solver().begin_replica(100000);
+            session.solver().step(rays);
+            session.solver().end_replica();
+        }
+        session.reconstruct();
+        Film film(camera.width, camera.height);
+        for (uint64_t pass = 0; pass < 8; ++pass)
+            eye_pass(session.accel(), camera, 0, session.reconstruction(), nullptr, {32, true, gather, pass}, nullptr, film);
+        return film;
+    };
+    const Film truth = picture(12000, 2000000, true), plain = picture(1000, 200000, false), corrected = picture(1000, 200000, true);
+    double off = 0, left = 0, change = 0, size = 0;
+    for (size_t pixel = 0; pixel < truth.sum.size(); ++pixel) {
+        const float r = truth.mean(pixel).indirect_diffuse.y;
+        off += sqr(plain.mean(pixel).indirect_diffuse.y - r), left += sqr(corrected.mean(pixel).indirect_diffuse.y - r);
+        change += corrected.mean(pixel).indirect_diffuse.y - r, size += r;
+    }
+    EXPECT_LT(left, off / 2);
+    EXPECT_LT(std::abs(change), 0.02 * size);
+}
+
+}  // namespace lumel::test

@@ -1,0 +1,74 @@
+// Smoothing of what is known of sides: noise goes, what the light does stays.
+#include <gtest/gtest.h>
+
+#include "lumel/eye/smooth.h"
+#include "lumel/sampling/hash.h"
+#include "lumel/scene/surface.h"
+#include "scenes.h"
+
+namespace lumel::test {
+
+namespace {
+
+/// About normal, mean 0 and variance 1: a sum of twelve uniform numbers.
+float normal(uint64_t stream) {
+    Rng rng(stream);
+    float sum = -6;
+    for (int i = 0; i < 12; ++i) sum += rng.uniform();
+    return sum;
+}
+
+struct Errors {
+    double before = 0, after = 0;        // root mean squares
+    double mean = 0, mean_stderr = 0;    // of the smoothed field less the truth, by area, and what noise makes of it
+};
+
+/// Add noise of `sigma` to the light of the facets of a sphere, smooth it, and compare with the truth.
+Errors errors(float sigma, const std::function<float(Vec3)>& truth) {
+    SceneBuilder b;
+    b.shape(b.material(matt(0.5f))).sphere({0, 0, 0}, 1, 4, true);
+    const Scene scene = b.build(1);
+    const Lattice lattice(scene);
+    SideField field{std::vector<Rgb>(scene.sides()), std::vector<Rgb>(scene.sides())};
+    std::vector<float> values(scene.patches());
+    double mean_area = scene.total_area() / scene.patches();
+    for (uint32_t side = 0; side < scene.patches(); ++side) {
+        values[side] = truth(Surface(scene, scene.centre_of_patch(side), false).shading);
+        const double variance = sigma * sigma * mean_area / scene.side_area(side);
+        field.mean[side] = grey(values[side] + static_cast<float>(std::sqrt(variance)) * normal(key(7, side)));
+        field.variance[side] = grey(static_cast<float>(variance));
+    }
+    const SideField smooth = smoothed(scene, lattice, field);
+    Errors e;
+    for (uint32_t side = 0; side < scene.patches(); ++side) {
+        const double before = field.mean[side].y - values[side], after = smooth.mean[side].y - values[side];
+        e.before += before * before / scene.patches(), e.after += after * after / scene.patches();
+        e.mean += after * scene.side_area(side) / scene.total_area();
+    }
+    e.before = std::sqrt(e.before), e.after = std::sqrt(e.after), e.mean_stderr = sigma / std::sqrt(scene.patches());
+    return e;
+}
+
+}  // namespace
+
+TEST(Smooth, takes_noise_out_of_smooth_light_and_keeps_its_mean) {
+    const Errors e = errors(0.2f, [](Vec3 n) { return 1 + 0.4f * n.x - 0.3f * n.z; });
+    EXPECT_LT(e.after, 0.5 * e.before);
+    EXPECT_LT(std::abs(e.mean), 4 * e.mean_stderr);
+}
+
+TEST(Smooth, leaves_sharp_light_as_it_is_known) {
+    // A shadow edge and a small bright spot, known 50 times better than they are strong: nothing becomes worse than the noise was.
+    const Errors edge = errors(0.02f, [](Vec3 n) { return n.x > 0.1f ? 1.0f : 0.0f; });
+    EXPECT_LT(edge.after, 1.1 * edge.before);
+    const Errors spot = errors(0.02f, [](Vec3 n) { return n.y > 0.98f ? 5.0f : 0.2f; });
+    EXPECT_LT(spot.after, 1.1 * spot.before);
+    EXPECT_LT(std::abs(spot.mean), 4 * spot.mean_stderr);
+}
+
+TEST(Smooth, does_nothing_without_noise) {
+    const Errors e = errors(0, [](Vec3 n) { return n.x * n.y > 0 ? 1.0f : 0.3f; });
+    EXPECT_EQ(e.after, 0);
+}
+
+}  // namespace lumel::test
