@@ -30,7 +30,8 @@ SideField SideMoments::field(uint32_t replicas) const {
 
 void IrradianceAreas::measure(const Step& step) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene_->sides(), kSides), [&](const auto& range) {
-        for (uint32_t side = range.begin(); side < range.end(); ++side)
+        for (uint32_t side = range.begin(); side < range.end(); ++side) {
+            measure_bundles(step, side);
             for (const Transfer& transfer : step.transfers.group(side)) {
                 const Surface x(*scene_, {scene_->triangle_of_side(side), transfer.u, transfer.v}, scene_->is_back(side));
                 const Rgb64 light = to_double(transfer.flux * adjoint(x.shading, x.normal, transfer.wi));
@@ -39,7 +40,20 @@ void IrradianceAreas::measure(const Step& step) {
                 else
                     tally_.add_plain(side, step, light);
             }
+        }
     });
+}
+
+void IrradianceAreas::measure_bundles(const Step& step, uint32_t side) {
+    if (step.bundles.empty()) return;
+    const uint32_t patch = scene_->patch_of_side(side);
+    const Surface x(*scene_, scene_->centre_of_patch(patch), scene_->is_back(side));
+    const double scale = double{scene_->side_area(side)} / step.bundle_density_w();
+    for (const Bundle& bundle : step.bundles) {
+        if (!(bundle.cosine[patch] > 0)) continue;
+        const Rgb light = bundle.irradiance[side] * adjoint(x.shading, x.normal, bundle.incoming(x.normal));
+        tally_.add(side, step, to_double(light) * scale, double{bundle.cosine[patch]} / double{kPi} * scale);
+    }
 }
 
 Samples IrradianceAreas::samples(uint32_t side) const {

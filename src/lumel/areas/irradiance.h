@@ -47,6 +47,7 @@ public:
     SideField field(const Estimator& estimator) const;
 
 private:
+    void measure_bundles(const Step& step, uint32_t side);
     Samples around(uint32_t position) const;
 
     const Scene* scene_;

@@ -105,7 +105,8 @@ void Launcher::leave(Block& block, uint32_t i) {
     const Rgb behind_mirror = source_->behind_mirror();
     // A perfect mirror that shines: what it reflects has the density of these directions, so its own light stays outside the ratios.
     const uint32_t side = source_->side();
-    const bool has_density = !(shot_.scene.scatters(side) && shot_.scene.material(shot_.scene.triangle_of_side(side)).is_perfect_mirror());
+    const bool shining_mirror = shot_.scene.scatters(side) && shot_.scene.material(shot_.scene.triangle_of_side(side)).is_perfect_mirror();
+    const bool has_density = !shot_.beside_bundles && !shining_mirror;
     Flights& flights = block.flights;
     const uint32_t count = rays.size;
     for (uint32_t k = 0; k < count; ++k) {
@@ -114,7 +115,9 @@ void Launcher::leave(Block& block, uint32_t i) {
         // cos(theta_y) / (n p_y): étendue keeps it to where the ray ends ([WIS] 3.1, with its cosine).
         const float quotient = cos / density, inv_pdf = cos > 1e-6f && quotient < kMostInvPdf ? quotient : 0.0f;
         flights.rays.origin.set(i + k, rays.y[k] + offset), flights.rays.direction.set(i + k, w);
-        flights.flux.set(i + k, rays.radiance[k] * inv_pdf), flights.behind_mirror.set(i + k, behind_mirror * inv_pdf);
+        // Bundles carry what goes straight from side to side, but for sharp lobes.
+        const Rgb radiance = rays.radiance[k], direct = shot_.beside_bundles ? source_->sharp(radiance) : radiance;
+        flights.flux.set(i + k, direct * inv_pdf), flights.behind_mirror.set(i + k, (radiance - direct + behind_mirror) * inv_pdf);
         flights.inv_pdf[i + k] = has_density ? inv_pdf : 0;
         flights.rays.traced[i + k] = inv_pdf > 0 ? -1 : 0;
     }

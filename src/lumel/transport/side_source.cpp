@@ -119,7 +119,8 @@ SideSource::Emission SideSource::evaluate(Vec3 shading, Vec3 w) const {
     one.size = 1;
     one.shading.set(0, shading), one.w.set(0, w);
     evaluate(one);
-    return {one.radiance[0], behind_mirror_, one.pdf_aw[0]};
+    const Rgb radiance = one.radiance[0];
+    return {radiance, behind_mirror_, one.pdf_aw[0], sharp(radiance)};
 }
 
 }  // namespace lumel

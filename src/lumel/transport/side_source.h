@@ -30,6 +30,7 @@ public:
         Rgb radiance;       ///< W/(m2 sr)
         Rgb behind_mirror;  ///< radiance that counts once a mirror has been passed
         float pdf_aw = 0;   ///< of all lobes together, rays/(m2 sr), without the defensive part
+        Rgb sharp{};        ///< the part of `radiance` that lobes too narrow for bundles send
     };
 
     /// `rays_per_watt`: rays shot for each watt of lum power.
@@ -38,6 +39,8 @@ public:
     uint32_t side() const { return side_; }
     Vec3 normal() const { return normal_; }
     Rgb behind_mirror() const { return behind_mirror_; }
+    /// The part of a radiance of this side that lobes too narrow for bundles send.
+    Rgb sharp(Rgb radiance) const { return records_.empty() || !is_sharp(*material_) ? Rgb{} : radiance - diffuse_; }
 
     /// Draw points uniform on the patch, with their shading normals.
     void draw_points(Leaving& rays) const;
