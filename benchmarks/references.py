@@ -1,6 +1,6 @@
 """How far pictures of the reference scenes are from their references after a given time, as a Markdown table.
 
-python benchmarks/references.py [--time SECONDS] [SCENE ...]
+python benchmarks/references.py [--time SECONDS] [--transport NAME] [--areas NAME] [SCENE ...]
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from scenes import NAMES, folder, machine
 import lumel
 from lumel.images import read_picture
 from lumel.images.compare import compare
+from lumel.settings import AREAS, TRANSPORTS
 
 ESTIMATOR = {"spotlit": "classical"}  # the others: weighted
 
@@ -20,23 +21,28 @@ ESTIMATOR = {"spotlit": "classical"}  # the others: weighted
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--time", type=float, default=20, help="seconds for each scene")
+    parser.add_argument("--transport", default="rays", choices=TRANSPORTS)
+    parser.add_argument("--areas", default="patches", choices=AREAS)
     parser.add_argument("names", nargs="*", default=NAMES, metavar="SCENE", help=f"of {', '.join(NAMES)}; all of them by default")
     arguments = parser.parse_args()
     scenes = folder()
     print(machine(), end="\n\n")
-    print("| scene | estimator | time, s | rays, M | M rays/s | relMSE - reference noise | of 8x8 means | mean ratio |")
+    print("| scene | estimator | time, s | directions, k, or rays, M | a second | relMSE - reference noise | of 8x8 means | mean ratio |")
     print("|---|---|---|---|---|---|---|---|")
     for name in arguments.names:
         estimator = ESTIMATOR.get(name, "weighted")
         scene = lumel.load(scenes / f"{name}.xml")
         started = time.monotonic()
-        result = lumel.render(scene, estimator=estimator, time=arguments.time, started=started)
+        result = lumel.render(
+            scene, estimator=estimator, time=arguments.time, started=started, transport=arguments.transport, areas=arguments.areas
+        )
         seconds = time.monotonic() - started
         reference = read_picture(scenes / "reference" / f"{name}.exr").layers
         found = compare(result.image(), reference["rgb"], None, reference["stderr"])
-        rays, speed = (float(str(result.stats[key])) / 1e6 for key in ("rays", "rays_per_s"))
+        unit, scale = ("directions", 1e3) if arguments.transport == "bundles" else ("rays", 1e6)
+        work, speed = (float(str(result.stats[key])) / scale for key in (unit, f"{unit}_per_s"))
         errors = f"{found.relmse_without_noise:.4f} | {found.relmse_8x8_without_noise:.4f} | {found.mean_ratio:.4f}"
-        print(f"| `{name}` | {estimator} | {seconds:.1f} | {rays:.1f} | {speed:.2f} | {errors} |", flush=True)
+        print(f"| `{name}` | {estimator} | {seconds:.1f} | {work:.2f} | {speed:.2f} | {errors} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -15,19 +15,36 @@ using namespace lumel;
 
 namespace {
 
+/// The value of a name in a table of names.
+template <class Value, size_t N>
+Value named(const char* what, const std::string& name, const std::array<std::pair<const char*, Value>, N>& table) {
+    for (const auto& [known, value] : table)
+        if (name == known) return value;
+    throw nb::value_error((std::string("unknown ") + what).c_str());
+}
+
+constexpr std::array<std::pair<const char*, Transport>, 3> kTransports{
+    {{"walk", Transport::kWalk}, {"rays", Transport::kRays}, {"bundles", Transport::kBundles}}};
+constexpr std::array<std::pair<const char*, AreaKind>, 2> kAreas{{{"patches", AreaKind::kPatches}, {"pixels", AreaKind::kPixels}}};
+constexpr std::array<std::pair<const char*, Iteration>, 2> kIterations{{{"frozen", Iteration::kFrozen}, {"plain", Iteration::kPlain}}};
+
 /// A session that works with a given number of threads, and lets other Python threads run meanwhile.
 class BoundSession {
 public:
     BoundSession(const Scene& scene, const std::vector<Camera>& cameras, const std::string& transport, const std::string& areas,
                  const std::string& estimator, float defensive, float gather, std::optional<bool> weight_diffuse, bool first_shot,
-                 uint32_t direct_samples, uint64_t seed, int threads)
+                 uint32_t direct_samples, uint64_t seed, int threads, const std::string& iteration, uint32_t window)
         : limit_(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)), arena_(threads) {
         SessionConfig config;
-        config.solver = {
-            transport == "walk" ? Transport::kWalk : Transport::kRays, defensive, gather, first_shot, direct_samples, {}, seed};
-        config.areas = areas == "pixels" ? AreaKind::kPixels : AreaKind::kPatches;
-        if ((transport != "walk" && transport != "rays") || (areas != "pixels" && areas != "patches"))
-            throw nb::value_error("unknown transport or areas");
+        config.solver = {.transport = named("transport", transport, kTransports),
+                         .defensive = defensive,
+                         .gather = gather,
+                         .first_shot = first_shot,
+                         .direct_samples = direct_samples,
+                         .seed = seed,
+                         .iteration = named("iteration", iteration, kIterations),
+                         .window = window};
+        config.areas = named("areas", areas, kAreas);
         config.weight_diffuse = weight_diffuse;
         config.estimator = find_estimator(estimator);
         if (!config.estimator) throw nb::value_error("unknown estimator");
@@ -37,8 +54,8 @@ public:
     void begin_replica(uint64_t solve_rays) {
         run([&] { session_->solver().begin_replica(solve_rays); });
     }
-    void step(uint64_t rays) {
-        run([&] { session_->solver().step(rays); });
+    void step(uint64_t work) {
+        run([&] { session_->solver().step(work); });
     }
     void end_replica() {
         run([&] { session_->solver().end_replica(); });
@@ -169,16 +186,32 @@ nb::typed<nb::tuple, Array, Array> field(const SideField& f) {
         nb::make_tuple(to_numpy(flat(f.mean), {2, patches, 3}), to_numpy(flat(f.variance), {2, patches, 3})));
 }
 
+/// What bundles met and carried.
+void add_bundles(const BundleStats& stats, nb::dict& d) {
+    const SweepCounters& c = stats.raster;
+    d["directions"] = c.directions;
+    d["fragments"] = c.fragments;
+    d["pairs"] = c.pairs;
+    d["mean_depth"] = c.lines > 0 ? static_cast<double>(c.fragments) / static_cast<double>(c.lines) : 0.0;
+    d["parity_violations_per_million"] = c.lines > 0 ? 1e6 * static_cast<double>(c.parity_violations) / static_cast<double>(c.lines) : 0.0;
+    d["window"] = stats.window;
+    d["escaped_share"] = stats.sent > 0 ? stats.escaped / stats.sent : 0.0;
+    d["lost_share"] = stats.sent > 0 ? (stats.sent - stats.received - stats.escaped) / stats.sent : 0.0;
+}
+
 nb::typed<nb::dict, nb::str, nb::object> stats(BoundSession& self) {
     const Session& session = self.session();
     Solver& solver = self.session().solver();
     nb::typed<nb::dict, nb::str, nb::object> d;
-    d["rays"] = solver.stats().rays;
-    d["escaped_rays"] = solver.stats().escaped;
+    const SolverStats counted = solver.stats();
+    d["rays"] = counted.rays;
+    d["escaped_rays"] = counted.escaped;
     d["replicas"] = solver.replicas();
     d["measured_sides"] = solver.areas().size();
     d["open"] = session.defensive().open();
     d["defensive_area"] = session.defensive().area();
+    if (session.transport() == Transport::kBundles) add_bundles(counted.bundles, d);
+    if (session.is_plain()) d["variance_growth"] = session.variance_growth();
     return d;
 }
 
@@ -199,12 +232,12 @@ Array reach_of_lamps(BoundSession& self, uint32_t samples) {
 void bind_session(nb::module_& m) {
     nb::class_<BoundSession>(m, "Session")
         .def(nb::init<const Scene&, const std::vector<Camera>&, const std::string&, const std::string&, const std::string&, float, float,
-                      std::optional<bool>, bool, uint32_t, uint64_t, int>(),
+                      std::optional<bool>, bool, uint32_t, uint64_t, int, const std::string&, uint32_t>(),
              nb::arg("scene"), nb::arg("cameras"), nb::arg("transport"), nb::arg("areas"), nb::arg("estimator"), nb::arg("defensive"),
              nb::arg("gather"), nb::arg("weight_diffuse").none(), nb::arg("first_shot"), nb::arg("direct_samples"), nb::arg("seed"),
-             nb::arg("threads"))
+             nb::arg("threads"), nb::arg("iteration") = "frozen", nb::arg("window") = 0)
         .def("begin_replica", &BoundSession::begin_replica, nb::arg("solve_rays"))
-        .def("step", &BoundSession::step, nb::arg("rays"))
+        .def("step", &BoundSession::step, nb::arg("work"))
         .def("end_replica", &BoundSession::end_replica)
         .def("reconstruct", &BoundSession::reconstruct)
         .def("eye_pass", &BoundSession::eye_pass, nb::arg("camera"), nb::arg("samples"))
@@ -226,6 +259,7 @@ void bind_session(nb::module_& m) {
         .def("unfilled", [](BoundSession& self) { return self.session().unfilled(); })
         .def("flagged", [](BoundSession& self) { return self.session().flagged(); })
         .def_prop_ro("rays", [](BoundSession& self) { return self.session().solver().stats().rays; })
+        .def_prop_ro("directions", [](BoundSession& self) { return self.session().solver().stats().bundles.raster.directions; })
         .def_prop_ro("steps", [](BoundSession& self) { return self.session().solver().steps(); })
         .def_prop_ro("stats", stats);
     m.def("estimators", [] {

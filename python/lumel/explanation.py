@@ -59,11 +59,14 @@ class AreaStory:
 
 @dataclass(frozen=True)
 class Explanation:
-    """`landed`: meshes by their share of the transfers (largest first), `escaped`: share of the rays that left the scene."""
+    """`work`: shooting rays, or directions of bundles as `unit` says. `landed`: meshes by their share of the transfers, largest first (of
+    bundles: one a patch and direction). `escaped`: share of the rays, or of the light of bundles, that left the scene.
+    """
 
     transport: str
     estimator: str
-    rays: int
+    work: int
+    unit: str
     lamps: tuple[LampStory, ...]
     more_lamps: int
     landed: tuple[Share, ...]
@@ -76,16 +79,18 @@ def explain(
 ) -> Explanation:
     """Look back at a finished `session`. `lamp_areas`: m2 for every mesh, 0 where it does not shine."""
     names = [f"{mesh.name} ({mesh.material})" for mesh in scene.meshes]
-    rays, landed = session.rays, session.landed()
+    landed, stats = session.landed(), session.stats
+    escaped = int(str(stats["escaped_rays"])) / max(1, session.rays)
     lamps = _lamps(session, scene, lamp_areas, names)
     return Explanation(
         transport,
         estimator,
-        rays,
+        session.directions if transport == "bundles" else session.rays,
+        "directions" if transport == "bundles" else "rays",
         lamps[:MOST_LAMPS],
         max(0, len(lamps) - MOST_LAMPS),
         _largest(names, landed / max(1, int(landed.sum()))),
-        int(str(session.stats["escaped_rays"])) / max(1, rays),
+        float(str(stats["escaped_share"])) if transport == "bundles" else escaped,
         tuple(_areas(session, index, camera.name, estimator) for index, camera in enumerate(cameras)),
     )
 

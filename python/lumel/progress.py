@@ -13,8 +13,8 @@ class Progress:
     """A snapshot of a running render; nan stands for what is not known (yet).
 
     `phase`: `solve` finds the radiosity of the patches, `shoot` shoots from it, `eye` makes the pictures. `fraction` (0..1) is the share
-    of the whole that is done, `rays` counts shooting rays, `error` is the relative error of the picture, `elapsed` and
-    `remaining` are seconds.
+    of the whole that is done, `rays` counts shooting rays, or directions of bundles as `unit` says, `error` is the relative error of
+    the picture, `elapsed` and `remaining` are seconds.
     """
 
     phase: Phase
@@ -24,3 +24,4 @@ class Progress:
     error: float
     elapsed: float
     remaining: float
+    unit: Literal["rays", "directions"] = "rays"

@@ -18,12 +18,14 @@ from .progress import Progress
 from .result import Patches, Result
 from .scene import FloatArray, Scene
 from .schedule import Schedule
-from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, QUALITIES, Settings
+from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, QUALITIES, Quality, Settings
 
 if TYPE_CHECKING:
     from .explanation import Explanation
 
 WORTH_SAYING = 0.02  # share of flagged areas; up to half of it comes by chance
+PARITY_WORTH_SAYING = 1000.0  # lines of a million
+LEAK_WORTH_SAYING = 1e-3  # share of the light
 DIRECT_SAMPLES = 4  # shadow rays a side and replica for the first shot
 
 
@@ -48,23 +50,29 @@ def render(
     threads: int = 0,
     layers: Sequence[str] | Literal["all"] | None = None,
     explain: bool = False,
+    directions: int | None = None,
+    window: int | None = None,
+    iteration: str = "frozen",
     progress: Callable[[Progress], None] | None = None,
     interrupted: Callable[[], bool] | None = None,
     started: float | None = None,
 ) -> Result:
     """Render `scene` by shooting light.
 
-    transport: `rays` (shoot from a solved state) or `walk` (random walks from the lights). areas: `patches` or `pixels`, where the light in
-    gloss is measured. estimator: `auto`, `weighted`, `regression` or `classical`. defensive: share of rays that starts anywhere,
-    0..1 (None: chosen by scene and estimator). gather: gathering rays for every glossy area in view per 2^20 shooting rays,
-    under one density with them (None: 16, and 0 for `classical`). weight_diffuse: weigh diffuse light, too (None: where the
-    estimator is `auto` and defensive rays cover all directions). first_shot: compute direct light apart. One budget:
-    rays (shooting rays), time (s, from `started` until the picture is complete) or error (relative); with none, `quality`
-    (draft, medium, high) sets the work. patches: how many, about. camera: a name, `all`, or None for the first. size:
-    (width, height) in pixels. threads: 0 for all. layers: names that the result must have. explain: the result tells where the
-    light went and what was made of it. progress is called now and then; interrupted is asked between steps, and True ends the
-    work early with a valid result. started: time.monotonic() of when the files were read. Equal seed and rays give equal bytes
-    for any number of threads.
+    transport: `rays` (shoot from a solved state), `walk` (random walks from the lights) or `bundles` (the whole scene at once along one
+    direction after the other). areas: `patches` or `pixels`, where the light in gloss is measured. estimator: `auto`,
+    `weighted`, `regression` or `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene and
+    estimator). gather: gathering rays for every glossy area in view per 2^20 shooting rays or 1024 directions, under one
+    density with them (None: 16, and 0 for `classical`). weight_diffuse: weigh diffuse light, too (None: where the estimator
+    is `auto` and defensive rays cover all directions). first_shot: compute direct light apart. One budget: rays (shooting rays),
+    directions (of bundles), time (s, from `started` until the picture is complete) or error (relative); with none,
+    `quality` (draft, medium, high) sets the work. patches: how many, about. camera: a name, `all`, or None for the first.
+    size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have. window: pixels of an edge of
+    the square that bundles are rasterised into, 16 to 16384 (None: about 16 pixels a patch). iteration: bundles carry the
+    light of a solved state (`frozen`), or what the bundle before brought (`plain`, as in the paper). explain: the result tells
+    where the light went and what was made of it. progress is called now and then; interrupted is asked between steps, and True
+    ends the work early with a valid result. started: time.monotonic() of when the files were read. Equal seed and rays or
+    directions give equal bytes for any number of threads.
 
     Raises SettingsError or SceneError with all that is wrong.
     """
@@ -73,24 +81,9 @@ def render(
         raise SettingsError(f"scene is {scene!r:.80}; allowed: a lumel.Scene, such as lumel.load makes")
     scene, framed = with_camera(scene)
     settings = Settings(
-        transport,
-        areas,
-        estimator,
-        defensive,
-        gather,
-        weight_diffuse,
-        first_shot,
-        rays,
-        time,
-        error,
-        patches,
-        quality,
-        camera,
-        size,
-        seed,
-        threads,
-        layers,
-    )
+        transport, areas, estimator, defensive, gather, weight_diffuse, first_shot, rays, time, error, patches, quality, camera, size, seed,
+        threads, layers, directions, window, iteration,
+    )  # fmt: skip
     settings.check(scene)
     cameras = settings.cameras(scene)
     core, left_out = to_core(scene, patches)
@@ -107,12 +100,14 @@ def render(
         direct_samples=DIRECT_SAMPLES,
         seed=seed,
         threads=settings.thread_count(),
+        iteration=iteration,
+        window=window or 0,
     )
     schedule = Schedule(session, len(cameras), core.patches, transport, started, progress, interrupted or (lambda: False))
     _work(schedule, settings, core.patches)
     pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
     stats = _stats(session, schedule, clock.monotonic() - started, core.patches)
-    notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(settings, stats))
+    notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(settings, stats), *_bundled(settings, stats))
     story = _explanation(core, session, scene, settings) if explain else None
     return Result(pictures, _patches(core, session, scene), _metadata(scene, settings, stats), stats, notes, story)
 
@@ -125,8 +120,13 @@ def _work(schedule: Schedule, settings: Settings, patches: int) -> None:
     elif settings.error is not None:
         schedule.by_error(settings.error)
     else:
-        schedule.by_rays(settings.rays or max(work.rays, work.rays_per_patch * patches), work.samples)
+        schedule.by_work(settings.rays or settings.directions or _work_of(work, settings, patches), work.samples)
     schedule.error = math.hypot(*schedule.errors())
+
+
+def _work_of(quality: Quality, settings: Settings, patches: int) -> int:
+    """Rays or directions of a quality."""
+    return quality.directions if settings.transport == "bundles" else max(quality.rays, quality.rays_per_patch * patches)
 
 
 def describe(scene: Scene, patches: int | None = None) -> dict[str, Any]:
@@ -193,10 +193,29 @@ def _dark(scene: Scene, pictures: dict[str, dict[str, FloatArray]]) -> Iterator[
 def _uncovered(settings: Settings, stats: dict[str, object]) -> Iterator[str]:
     """Say where estimators that divide by the density cannot be trusted."""
     share = float(str(stats["flagged"]))
-    if settings.estimator != "classical" and share > WORTH_SAYING:
+    if settings.estimator != "classical" and settings.transport != "bundles" and share > WORTH_SAYING:
         yield (
             f"the sampling density does not cover what {share:.0%} of the glossy areas in view reflect (layer 'flag'): "
             "they may be too bright; gather (--gather) or shoot from everywhere (--defensive)"
+        )
+
+
+def _bundled(settings: Settings, stats: dict[str, object]) -> Iterator[str]:
+    """Say where bundles lose light, or cannot be averaged."""
+    if settings.transport != "bundles":
+        return
+    violations, escaped = float(str(stats["parity_violations_per_million"])), float(str(stats["escaped_share"]))
+    if violations > PARITY_WORTH_SAYING:
+        yield (
+            f"{violations:.3g} of a million lines enter and leave closed meshes unequally often: the meshes have cracks or cross themselves"
+        )
+    if not stats["open"] and escaped > LEAK_WORTH_SAYING:
+        yield f"{escaped:.2%} of the light of the bundles left the scene, which looked closed: it has gaps"
+    growth = float(str(stats.get("variance_growth", 0)))
+    if growth >= 1:
+        yield (
+            f"the plain iteration multiplies its variance by {growth:.2g} with every direction in this scene, so its noise has no bound; "
+            "leave out --iteration plain"
         )
 
 
@@ -213,6 +232,7 @@ def _metadata(scene: Scene, settings: Settings, stats: dict[str, object]) -> dic
         "estimator": settings.estimator,
         "seed": str(settings.seed),
         "rays": str(stats["rays"]),
+        **({"directions": str(stats["directions"])} if "directions" in stats else {}),
         "time": f"{stats['time']:.3f}",
         **settings.chosen(),
     }
@@ -227,7 +247,7 @@ def _picture(layers: dict[str, FloatArray]) -> dict[str, FloatArray]:
 def _stats(session: _core.Session, schedule: Schedule, seconds: float, patches: int) -> dict[str, object]:
     return {
         **session.stats,
-        "rays_per_s": schedule.rays_per_s,
+        f"{schedule.pace.unit}_per_s": schedule.speed,
         "time": seconds,
         "error": schedule.error,
         "interrupted": schedule.was_interrupted,

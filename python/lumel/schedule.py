@@ -1,4 +1,4 @@
-"""The order of work in a render: replicas of the solve first, then passes of the eye, within a budget of rays, time or error."""
+"""The order of work in a render: replicas of the solve first, then passes of the eye, within a budget of work, time or error."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -15,17 +16,31 @@ from .progress import Phase, Progress
 
 REPLICAS = 16  # independent solves that error bars rest on
 FEWEST_REPLICAS = 4
-RAYS_PER_REPLICA = 100_000  # below this, fewer replicas are better
-RAYS_PER_STEP = 1 << 20  # shot between two looks at the clock
-MOST_RAYS_PER_REPLICA = 1 << 25  # above this, more replicas are better: what a replica solved stays as it is
-LARGEST_SOLVE = 2  # steps that the solve of a replica may be as large as
-SOLVE_SHARE = 0.25  # of a replica's rays, for its own solution by power (transport `rays`)
+RAYS_PER_STEP = 1 << 20
+LARGEST_SOLVE = 2  # times RAYS_PER_STEP, or the rays that the patches need, that the solve of a replica may be as large as
+SOLVE_SHARE = 0.25  # of a replica's time, for its own solution by power (transports `rays` and `bundles`)
 SHOOT_SHARE = 0.6  # of the time that is left after the scene is ready, while nothing is known of it
 LOOK_AFTER = 3  # replicas, a first look at the pictures divides the time
 LOOK_SAMPLES = 2  # a pixel and pass of that look
 SHORTEST_LOOK = 1.0  # s that must be left for a look to pay
 PASS_SAMPLES = 8  # eye samples a pixel between two looks at the clock
 FEWEST_PASSES = 2  # the spread of the passes is part of the error bars
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How the work of a transport, in units of its own, is dealt out."""
+
+    unit: Literal["rays", "directions"]
+    per_replica: int  # below this, fewer replicas are better
+    most_per_replica: int  # above this, more replicas are better: what a replica solved stays as it is
+    per_step: int  # between two looks at the clock
+    least: int  # of a step
+    rays: float  # shot in the time of a unit, about: to know the size of a solve before anything was timed
+
+
+RAYS = Pace("rays", 100_000, 1 << 25, RAYS_PER_STEP, 256, 1.0)
+BUNDLES = Pace("directions", 64, 1 << 14, 128, 1, 10_000.0)
 
 
 @dataclass
@@ -42,15 +57,16 @@ class Schedule:
     error: float = math.nan
     was_interrupted: bool = False
     _shooting_s: float = field(default=0.0, init=False)
-    _step_speed: float = field(default=0.0, init=False)  # rays a second of the last step
+    _step_speed: float = field(default=0.0, init=False)  # work a second of the last step
+    _solve_speed: float = field(default=0.0, init=False)  # rays a second of the last solve
 
     # What a budget means
 
-    def by_rays(self, rays: int, samples: int) -> None:
-        """Shoot `rays` rays in all, then see with `samples` samples a pixel."""
-        replicas = self._replicas(rays)
+    def by_work(self, work: int, samples: int) -> None:
+        """Shoot `work` rays in all, or cast as many bundles, then see with `samples` samples a pixel."""
+        replicas = self._replicas(work)
         for replica in range(replicas):
-            self._replica(rays * (replica + 1) // replicas - rays * replica // replicas, lambda: self.rays / rays * 0.7)
+            self._replica(work * (replica + 1) // replicas - work * replica // replicas, lambda: self.work / work * 0.7)
             if self._stop():
                 break
         self.session.reconstruct()
@@ -63,13 +79,13 @@ class Schedule:
         stop = begin + max(0.0, end - begin) * SHOOT_SHARE
         replicas, replica = 1, 0
         while replica < replicas and not (replica > 0 and self._stop()):
-            # The start of the first replica tells what a start costs, and its first step how fast rays are.
+            # The start of the first replica tells what a start costs, and its first step how fast work is.
             before = time.monotonic()
             slot = max(0.0, stop - before) / (replicas - replica)
-            self._begin(self._pilot_rays(seconds) if replica == 0 else int(slot * self._step_speed * SOLVE_SHARE))
+            self._begin(self._pilot_rays(seconds) if replica == 0 else int(slot * SOLVE_SHARE * self._solve_speed))
             if replica == 0:
                 started = time.monotonic() - before
-                self._step(self._pilot_rays(seconds))
+                self._step(max(self.pace.least, int(self._pilot_rays(seconds) / self.pace.rays)))
                 replicas = self._replicas(int((stop - begin) * self._step_speed), int((stop - begin) / 4 / max(started, 1e-3)))
                 slot = (stop - begin) / replicas
             self._steps_until(before + slot, end)
@@ -84,10 +100,10 @@ class Schedule:
 
     def by_error(self, target: float) -> None:
         """Double the work until the estimated error of the pictures is below `target`."""
-        rays, samples = 2 * RAYS_PER_REPLICA * FEWEST_REPLICAS, 2 * PASS_SAMPLES
+        work, samples = 2 * self.pace.per_replica * FEWEST_REPLICAS, 2 * PASS_SAMPLES
         while True:
             for _ in range(FEWEST_REPLICAS):
-                self._replica(rays // FEWEST_REPLICAS, lambda: min(0.99, (target / self.error) ** 2 if self.error > 0 else 0.0))
+                self._replica(work // FEWEST_REPLICAS, lambda: min(0.99, (target / self.error) ** 2 if self.error > 0 else 0.0))
                 if self._stop():
                     break
             self.session.reconstruct()
@@ -98,21 +114,26 @@ class Schedule:
                 return
             # Each part shall come below its half of the squared error; at most eight times the work at once.
             share = target / math.sqrt(2) * 0.95
-            rays = int(self.rays * min(8.0, max(0.0, (solution / share) ** 2 - 1)))
-            rays = max(rays, FEWEST_REPLICAS * 1024)
+            work = int(self.work * min(8.0, max(0.0, (solution / share) ** 2 - 1)))
+            work = max(work, FEWEST_REPLICAS * 4 * self.pace.least)
             samples = math.ceil(samples * min(8.0, max(1.0, (eye / share) ** 2)))
 
     # What has been done
 
     @property
-    def rays(self) -> int:
-        """Shooting rays so far."""
-        return self.session.rays
+    def pace(self) -> Pace:
+        """How work is dealt out."""
+        return BUNDLES if self.transport == "bundles" else RAYS
 
     @property
-    def rays_per_s(self) -> float:
-        """Shooting rays a second, over the time spent shooting."""
-        return self._speed()
+    def work(self) -> int:
+        """Shooting rays, or directions, so far."""
+        return self.session.directions if self.transport == "bundles" else self.session.rays
+
+    @property
+    def speed(self) -> float:
+        """Work a second, over the time spent shooting."""
+        return self.work / self._shooting_s if self._shooting_s > 0 else 0.0
 
     def errors(self) -> tuple[float, float]:
         """Relative error sqrt(mean(stderr^2 / (I^2 + e))), e = 0.01 mean(I)^2, over all cameras: of the solution and of the eye."""
@@ -131,19 +152,19 @@ class Schedule:
 
     # Steps
 
-    def _replica(self, rays: int, fraction: Callable[[], float]) -> None:
-        """One replica of `rays` rays in all."""
-        before = self.rays
-        self._begin(rays)
+    def _replica(self, work: int, fraction: Callable[[], float]) -> None:
+        """One replica of `work` in all."""
+        before = self.work
+        self._begin(int(work * self.pace.rays * SOLVE_SHARE))
         while True:
-            left = rays - (self.rays - before)
-            if left < rays * 0.01 and self.rays > before:
+            left = work - (self.work - before)
+            if left < max(self.pace.least, work * 0.01) and self.session.steps > 0:
                 break
-            begin = self.rays
-            self._step(max(left, 256) if left < 1.5 * self._largest_step() else self._largest_step())
+            begin = self.work
+            self._step(max(left, self.pace.least) if left < 1.5 * self._largest_step() else self._largest_step())
             self._tell("shoot", fraction())
-            nothing_to_shoot = self.rays == begin
-            done = self.transport == "walk" and self.rays - before >= rays * 0.8
+            nothing_to_shoot = self.work == begin
+            done = self.transport == "walk" and self.work - before >= work * 0.8
             if nothing_to_shoot or done or self._stop():
                 break
         self.session.end_replica()
@@ -153,24 +174,29 @@ class Schedule:
         first = self.session.steps == 0
         while True:
             room = (until - time.monotonic()) * self._step_speed
-            if not first and (room < RAYS_PER_STEP / 32 or self._stop()):
+            if not first and (room < self.pace.per_step / 32 or self._stop()):
                 return
             first = False
             parts = max(1, round(room / self._largest_step()))
-            self._step(max(1024, int(room / parts)))
+            self._step(max(4 * self.pace.least, int(room / parts)))
             self._tell("shoot", (time.monotonic() - self.started) / (end - self.started))
 
     def _begin(self, rays: int) -> None:
-        before = time.monotonic()
-        self.session.begin_replica(min(int(rays * SOLVE_SHARE), LARGEST_SOLVE * self._largest_step()))
-        self._shooting_s += time.monotonic() - before
-
-    def _step(self, rays: int) -> None:
-        before, rays_before = time.monotonic(), self.rays
-        self.session.step(rays)
+        """Start a replica, with a solve of about `rays` rays."""
+        before, rays_before = time.monotonic(), self.session.rays
+        self.session.begin_replica(min(rays, LARGEST_SOLVE * max(RAYS_PER_STEP, 2 * self.patches)))
         seconds = time.monotonic() - before
         self._shooting_s += seconds
-        self._step_speed = (self.rays - rays_before) / max(seconds, 1e-6)
+        self._solve_speed = (self.session.rays - rays_before) / max(seconds, 1e-6)
+
+    def _step(self, work: int) -> None:
+        before, work_before = time.monotonic(), self.work
+        self.session.step(work)
+        seconds = time.monotonic() - before
+        self._shooting_s += seconds
+        self._step_speed = (self.work - work_before) / max(seconds, 1e-6)
+        if self.transport == "rays":
+            self._solve_speed = self._step_speed
 
     def _see(self, samples: int) -> None:
         """`samples` samples a pixel for every camera."""
@@ -224,18 +250,15 @@ class Schedule:
 
     # Sizes
 
-    def _replicas(self, rays: int, most: int = sys.maxsize) -> int:
-        wanted = max(min(REPLICAS, rays // RAYS_PER_REPLICA), rays // MOST_RAYS_PER_REPLICA)
+    def _replicas(self, work: int, most: int = sys.maxsize) -> int:
+        wanted = max(min(REPLICAS, work // self.pace.per_replica), work // self.pace.most_per_replica)
         return max(2, min(most, max(FEWEST_REPLICAS, wanted)))
 
     def _pilot_rays(self, seconds: float) -> int:
         return int(min(RAYS_PER_STEP / 2, max(16_384, seconds * 50_000)))
 
     def _largest_step(self) -> int:
-        return max(RAYS_PER_STEP, 2 * self.patches)
-
-    def _speed(self) -> float:
-        return self.rays / self._shooting_s if self._shooting_s > 0 else 0.0
+        return self.pace.per_step if self.transport == "bundles" else max(self.pace.per_step, 2 * self.patches)
 
     def _stop(self) -> bool:
         self.was_interrupted = self.was_interrupted or self.interrupted()
@@ -247,4 +270,4 @@ class Schedule:
         elapsed = time.monotonic() - self.started
         fraction = min(1.0, fraction)
         remaining = elapsed / fraction - elapsed if fraction > 0 else math.nan
-        self.show(Progress(phase, fraction, self.rays, self._speed(), self.error, elapsed, max(0.0, remaining)))
+        self.show(Progress(phase, fraction, self.work, self.speed, self.error, elapsed, max(0.0, remaining), self.pace.unit))

@@ -14,7 +14,9 @@ from .errors import Problem, SettingsError, nearest
 from .result import DIAGNOSTICS, LAYERS
 from .scene import Camera, Scene
 
-TRANSPORTS = ("rays", "walk")
+TRANSPORTS = ("rays", "walk", "bundles")
+ITERATIONS = ("frozen", "plain")
+WINDOWS = (16, 16_384)  # least and most pixels of an edge
 AREAS = ("patches", "pixels")
 GATHER = 16.0  # gathering rays an area and 2^20 shooting rays, where the estimator divides by their density
 LARGEST_PICTURE = 32_768  # pixels a side
@@ -24,14 +26,19 @@ BYTES_PER_PATCH = 420
 
 @dataclass(frozen=True)
 class Quality:
-    """Work that is done when no budget is given: shooting rays (at least, and a patch) and eye samples a pixel."""
+    """Work that is done when no budget is given: shooting rays (at least, and a patch), or directions, and eye samples a pixel."""
 
     rays: int
     rays_per_patch: int
+    directions: int
     samples: int
 
 
-QUALITIES = {"draft": Quality(1_000_000, 20, 16), "medium": Quality(10_000_000, 200, 64), "high": Quality(80_000_000, 1500, 256)}
+QUALITIES = {
+    "draft": Quality(1_000_000, 20, 256, 16),
+    "medium": Quality(10_000_000, 200, 2048, 64),
+    "high": Quality(80_000_000, 1500, 16_384, 256),
+}
 
 
 @dataclass(frozen=True)
@@ -55,6 +62,9 @@ class Settings:
     seed: int = 0
     threads: int = 0
     layers: Sequence[str] | Literal["all"] | None = None
+    directions: int | None = None
+    window: int | None = None
+    iteration: str = "frozen"
 
     def check(self, scene: Scene) -> None:
         """Raise SettingsError with all that is out of range or unknown."""
@@ -66,7 +76,7 @@ class Settings:
         """All that is out of range or unknown, whatever the scene."""
         kinds = tuple(self._kinds())
         # Ranges mean nothing for what is no number.
-        ranges = () if kinds else (*self._budgets(), *self._numbers(), *self._sizes())
+        ranges = () if kinds else (*self._budgets(), *self._bundles(), *self._numbers(), *self._sizes())
         return tuple(Problem(text) for text in (*self._names(), *kinds, *ranges))
 
     def cameras(self, scene: Scene) -> tuple[Camera, ...]:
@@ -82,7 +92,9 @@ class Settings:
     def chosen(self) -> dict[str, str]:
         """The settings that differ from their defaults, as text, by name: what it takes to make a picture again."""
         said = {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) != f.default}
-        return {name: str(value) for name, value in said.items() if name not in ("layers", "camera", "threads", "rays", "time")}
+        return {
+            name: str(value) for name, value in said.items() if name not in ("layers", "camera", "threads", "rays", "directions", "time")
+        }
 
     def gather_rays(self) -> float:
         """Gathering rays for every measured area per 2^20 shooting rays."""
@@ -100,6 +112,7 @@ class Settings:
             "areas": (self.areas, AREAS),
             "estimator": (self.estimator, tuple(_core.estimators())),
             "quality": (self.quality, tuple(QUALITIES)),
+            "iteration": (self.iteration, ITERATIONS),
         }
         for name, (value, allowed) in choices.items():
             if value not in allowed:
@@ -109,7 +122,7 @@ class Settings:
                 yield f"unknown layer '{layer}'; {nearest(layer, ('all', 'rgb', *LAYERS, *DIAGNOSTICS))}"
 
     def _kinds(self) -> Iterator[str]:
-        whole: dict[str, object] = {"rays": self.rays, "patches": self.patches, "seed": self.seed, "threads": self.threads}
+        whole: dict[str, object] = {name: getattr(self, name) for name in ("rays", "directions", "window", "patches", "seed", "threads")}
         real: dict[str, object] = {"time": self.time, "error": self.error, "defensive": self.defensive, "gather": self.gather}
         for kind, allowed, values in ((Integral, "a whole number", whole), (Real, "a number", real)):
             for name, value in values.items():
@@ -122,15 +135,27 @@ class Settings:
             yield f"size is {size!r}; allowed: (width, height), two whole numbers of pixels"
 
     def _budgets(self) -> Iterator[str]:
-        given = [name for name in ("rays", "time", "error") if getattr(self, name) is not None]
+        given = [name for name in ("rays", "directions", "time", "error") if getattr(self, name) is not None]
         if len(given) > 1:
             yield f"{' and '.join(given)} are given; allowed: one of them"
         if self.rays is not None and not 1 <= self.rays <= 10**13:
             yield f"rays is {self.rays}; allowed: 1 to 10^13"
+        if self.directions is not None and not 1 <= self.directions <= 10**9:
+            yield f"directions is {self.directions}; allowed: 1 to 10^9"
         if self.time is not None and not 0 < self.time < math.inf:
             yield f"time is {self.time:g}; allowed: a finite number of seconds, more than 0"
         if self.error is not None and not 0 < self.error < math.inf:
             yield f"error is {self.error:g}; allowed: a finite number, more than 0"
+
+    def _bundles(self) -> Iterator[str]:
+        """What has a meaning with bundles alone, or with all but them."""
+        bundles = self.transport == "bundles"
+        for name in ("rays", "defensive", "weight_diffuse") if bundles else ("directions", "window", "iteration"):
+            if (value := getattr(self, name)) != getattr(Settings, name):
+                others = " and ".join(other for other in TRANSPORTS if (other == "bundles") != bundles)
+                yield f"{name} is {value}, which the transport {self.transport} does not have; allowed: with {others}"
+        if self.window is not None and not WINDOWS[0] <= self.window <= WINDOWS[1]:
+            yield f"window is {self.window}; allowed: {WINDOWS[0]} to {WINDOWS[1]} pixels"
 
     def _numbers(self) -> Iterator[str]:
         if self.defensive is not None and not 0 <= self.defensive <= 1:

@@ -15,8 +15,12 @@
 namespace lumel::test {
 
 /// Every transport. A new one joins all tests when it is entered here.
-inline constexpr std::array kTransports{Transport::kWalk, Transport::kRays};
-inline std::string name_of(Transport transport) { return transport == Transport::kWalk ? "walk" : "rays"; }
+inline constexpr std::array kTransports{Transport::kWalk, Transport::kRays, Transport::kBundles};
+/// Those of single rays, which have a defensive part.
+inline constexpr std::array kRayTransports{Transport::kWalk, Transport::kRays};
+inline std::string name_of(Transport transport) {
+    return transport == Transport::kWalk ? "walk" : transport == Transport::kRays ? "rays" : "bundles";
+}
 
 struct RunConfig {
     SolverConfig solver;
@@ -26,10 +30,36 @@ struct RunConfig {
     uint32_t steps = 1;
 };
 
+/// Work of a step that takes about as long as `rays` rays: so many rays, or bundles.
+inline uint64_t work_of(Transport transport, uint64_t rays) {
+    constexpr uint64_t kRaysPerBundle = 200;
+    return transport == Transport::kBundles ? rays / kRaysPerBundle : rays;
+}
+
 inline void run_replica(Solver& solver, const RunConfig& config) {
     solver.begin_replica(config.solve_rays);
-    for (uint32_t i = 0; i < config.steps; ++i) solver.step(config.rays / config.steps);
+    for (uint32_t i = 0; i < config.steps; ++i) solver.step(work_of(config.solver.transport, config.rays / config.steps));
     solver.end_replica();
+}
+
+/// One replica as the solver makes it, its generations in our hands: a walk or a step of `rays`, or bundles for about as long.
+inline void run_replica(const Stage& stage, Transport transport, const Illumination& light, const WalkConfig& config, const Sink& sink) {
+    const uint64_t solve = key(config.stream, 1);
+    uint64_t rays = 0;
+    switch (transport) {
+    case Transport::kWalk:
+        walk(stage.accel, stage.defensive, light.emitters(solve), config, sink);
+        break;
+    case Transport::kRays: {
+        FrozenLight frozen(stage.accel, stage.defensive, light, {config.rays / 2, 0, solve}, rays);
+        frozen.step(stage.accel, stage.defensive, light, {config.rays, config.defensive, config.stream}, sink);
+        break;
+    }
+    case Transport::kBundles:
+        FrozenBundles(stage.accel, stage.defensive, light, {.solve_rays = config.rays / 2, .stream = solve})
+            .step(static_cast<uint32_t>(work_of(transport, config.rays)), sink);
+        break;
+    }
 }
 
 /// A solver after `config.replicas` replicas.

@@ -12,6 +12,7 @@ using namespace lumel::test;
 namespace {
 
 constexpr uint32_t kReplicas = 16;
+constexpr uint64_t kRays = 80000;  // of a replica
 constexpr Camera kCamera{.origin = {0.5f, 0.1f, 0.8f},
                          .right = {1, 0, 0},
                          .up = {0, 0.6f, 0.8f},
@@ -92,23 +93,21 @@ std::map<std::string, Coverage> coverage(const Stage& stage, const CoverageRun& 
     Measured<PixelAreas> pixels = pixels_of(stage);
     for (uint64_t replica = 0; replica < kReplicas; ++replica) {
         // One replica as the solver makes it, its transfers in our hands.
-        double rays_measured = 0;
+        double samples = 0;
+        uint64_t generations = 0;
         const Sink sink = [&](const Generation& generation) {
             Transfers transfers = generation.transfers;
             if (run.tamper) run.tamper(stage, transfers.all);
-            const Step step{.transfers = transfers, .sight = generation.sight};
+            const Step step{.transfers = transfers,
+                            .sight = generation.sight,
+                            .bundles = generation.bundles,
+                            .stream = key(64, replica, generations++)};
             patches.measure(step), pixels.measure(step);
-            rays_measured += static_cast<double>(transfers.rays);
+            samples += step.samples();
         };
         const Illumination light(stage.accel, stage.defensive, {.first_shot = run.first_shot, .stream = key(60, replica)});
-        if (run.transport == Transport::kWalk) {
-            walk(stage.accel, stage.defensive, light.emitters(key(62, replica)), {60000, run.defensive, key(61, replica)}, sink);
-        } else {
-            uint64_t rays = 0;
-            FrozenLight frozen(stage.accel, stage.defensive, light, {30000, 0, key(62, replica)}, rays);
-            frozen.step(stage.accel, stage.defensive, light, {120000, run.defensive, key(63, replica)}, sink);
-        }
-        patches.close_replica(rays_measured), pixels.close_replica(rays_measured);
+        run_replica(stage, run.transport, light, {kRays, run.defensive, key(61, replica)}, sink);
+        patches.close_replica(samples), pixels.close_replica(samples);
     }
     return {{"patches", patches.coverage()}, {"pixels", pixels.coverage()}};
 }
@@ -158,6 +157,19 @@ Scene specular_scene() {
     return b.build(500);
 }
 
+/// Gloss among black walls, one of them missing, all one-sided; the lamp shows its back to most of them.
+Scene dark_scene() {
+    SceneBuilder b;
+    Material black = matt(0), gloss = glossy({}, {0.7f, 0.6f, 0.2f}, 0.25f);
+    black.two_sided = gloss.two_sided = false;
+    const uint32_t wall = b.material(black), shiny = b.material(gloss);
+    b.shape(shiny).face(4, {0, 0, 0}, {1, 1, 1}, true).shape(wall);
+    for (int face : {0, 1, 3, 5}) b.face(face, {0, 0, 0}, {1, 1, 1}, true);
+    b.shape(wall, grey(10)).quad({0.4f, 0.4f, 0.5f}, {0, 0.2f, 0}, {0.2f, 0, 0});
+    b.shape(shiny).box({0.3f, 0.5f, 0.1f}, {0.6f, 0.8f, 0.4f}, false);
+    return b.build(500);
+}
+
 std::string what(const CoverageRun& run) {
     return name_of(run.transport) + (run.first_shot ? ", first shot" : "") + ", defensive " + std::to_string(run.defensive);
 }
@@ -202,16 +214,24 @@ TEST(Coverage, mean_of_g_over_p_is_one_in_every_area) {
     }
 }
 
+TEST(Coverage, bundles_need_no_defensive_part) {
+    // Among black walls under the sky, all one-sided: where nothing sends light, bundles count.
+    for (const auto& [kind, c] : coverage(Stage(dark_scene()), {Transport::kBundles, 0, true, {}})) {
+        EXPECT_TRUE(c.is_kept()) << kind << ": pooled " << c.pooled << ", p " << c.pooled_p;
+        EXPECT_GT(c.p_values.size(), 20u);
+    }
+}
+
 TEST(Coverage, test_fails_without_the_cosine_at_the_source) {
     const Stage stage(closed_scene());
-    for (Transport transport : kTransports)
+    for (Transport transport : kRayTransports)
         for (const auto& [kind, c] : coverage(stage, {transport, 0.3f, true, leave_out_cosine}))
             EXPECT_FALSE(c.is_kept()) << name_of(transport) << ", " << kind;
 }
 
 TEST(Coverage, test_fails_without_the_defensive_part_under_the_sky) {
     const Stage stage(open_scene());
-    for (Transport transport : kTransports)
+    for (Transport transport : kRayTransports)
         for (const auto& [kind, c] : coverage(stage, {transport, 0, true, {}})) {
             EXPECT_FALSE(c.is_kept()) << name_of(transport) << ", " << kind;
             EXPECT_LT(c.pooled, 0.9) << name_of(transport) << ", " << kind;

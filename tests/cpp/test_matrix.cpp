@@ -20,7 +20,7 @@ TEST(Matrix, every_transport_area_and_estimator_on_every_analytic_scene) {
     };
     const Analytic scenes[] = {
         {"even, grey", {0.5f, 0.3f, even}, true}, {"ramp, grey", {0.6f, 0.15f, ramp}, true}, {"ramp, black", {0, 0.4f, ramp}, false}};
-    constexpr int kTests = 5 * 2 * 2 * 3;
+    constexpr int kTests = 5 * 2 * 2 * 4;
     for (const Analytic& analytic : scenes)
         for (Transport transport : kTransports)
             for (bool first_shot : {false, true})
@@ -97,7 +97,7 @@ std::string render(Transport transport, int threads) {
         Session session(b.build(2000), {camera}, {.solver = {.transport = transport, .defensive = 0.2f, .gather = 0.5f, .seed = 77}});
         for (int replica = 0; replica < 2; ++replica) {
             session.solver().begin_replica(20000);
-            for (int step = 0; step < 3; ++step) session.solver().step(30000);
+            for (int step = 0; step < 3; ++step) session.solver().step(work_of(transport, 30000));
             session.solver().end_replica();
         }
         for (const SideField& field : {session.solver().indirect(), session.solver().direct()})

@@ -158,7 +158,7 @@ TEST(Homogeneous, full_solves_keep_the_radiance) {
 
 TEST(Lobe, any_share_of_defensive_rays) {
     const PatchInSphere grey_sphere(0.5f, 0.15f, ramp);
-    for (Transport transport : kTransports)
+    for (Transport transport : kRayTransports)
         for (float defensive : {0.1f, 0.2f, 0.5f}) {
             const SolverConfig config{.transport = transport, .defensive = defensive, .first_shot = false, .seed = 21};
             expect_truth(ratios_to_truth(grey_sphere, {config}), 12, name_of(transport) + ", defensive " + std::to_string(defensive));
@@ -166,9 +166,11 @@ TEST(Lobe, any_share_of_defensive_rays) {
 }
 
 TEST(Lobe, half_in_the_dark) {
-    // The lobe looks at the rim of a bright spot. Only with the defensive part does p cover what it sees of the dark.
+    // The lobe looks at the rim of a bright spot. Only with the defensive part, or with bundles, does p cover what it sees of the dark.
     const PatchInSphere p(0, 0.3f, spot);
-    for (Transport transport : kTransports) {
+    const SolverConfig bundles{.transport = Transport::kBundles, .first_shot = false, .seed = 23};
+    expect_truth(ratios_to_truth(p, {bundles, 200000}), 4, "bundles, half in the dark");
+    for (Transport transport : kRayTransports) {
         const SolverConfig covered{.transport = transport, .defensive = 0.3f, .first_shot = false, .seed = 23};
         expect_truth(ratios_to_truth(p, {covered, 200000}), 4, name_of(transport) + ", half in the dark");
         SolverConfig uncovered = covered;

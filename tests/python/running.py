@@ -72,6 +72,11 @@ def run(*args: object, cwd: Path, before: Callable[[], None] | None = None) -> R
     return Ran(done.returncode, done.stdout, done.stderr)
 
 
+def budget(transport: str, rays: int) -> dict[str, Any]:
+    """The transport with a budget for work that takes about as long as `rays` rays."""
+    return {"transport": transport, **({"directions": max(1, rays // 500)} if transport == "bundles" else {"rays": rays})}
+
+
 def render(scene: lumel.Scene, *, limit: float = LIMIT, **settings: Any) -> lumel.Result:
     """`lumel.render` that fails where it does not end by itself within `limit` seconds."""
     end = time.monotonic() + limit

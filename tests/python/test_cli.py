@@ -197,7 +197,7 @@ def test_json_progress_is_one_object_a_line(lumel: Lumel, tmp_path: Path) -> Non
     *events, last = (json.loads(line) for line in err.splitlines())
     assert [event["phase"] for event in events] == ["solve", "shoot", "eye"]
     for event in events:
-        assert set(event) == {"phase", "fraction", "rays", "rays_per_s", "error", "elapsed", "remaining"}
+        assert set(event) == {"phase", "fraction", "rays", "rays_per_s", "error", "elapsed", "remaining", "unit"}
     assert events[0]["error"] is None
     assert set(last) == {"phase", "files", "notes", "stats"}
     assert last["phase"] == "done"

@@ -19,7 +19,7 @@ def test_shares_add_up_and_classical_gains_nothing() -> None:
         result = lumel.render(scene, rays=300_000, size=(40, 30), estimator=estimator, gather=0, explain=True)
         told = result.explanation
         assert told is not None
-        assert told.rays == result.stats["rays"]
+        assert told.work == result.stats["rays"]
         assert sum(lamp.share for lamp in told.lamps) == pytest.approx(1)
         for lamp in told.lamps:
             assert sum(share.share for share in lamp.onto) + lamp.escaped <= 1 + 1e-4

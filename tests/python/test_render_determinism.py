@@ -12,7 +12,7 @@ import lumel
 from lumel import _core
 from lumel.images import read_picture
 from lumel.settings import AREAS, TRANSPORTS
-from running import render, run
+from running import budget, render, run
 
 CASES = [(transport, estimator) for transport in TRANSPORTS for estimator in _core.estimators()]
 
@@ -30,12 +30,9 @@ def assert_same(a: lumel.Result, b: lumel.Result) -> None:
 @pytest.mark.parametrize("first_shot", [True, False])
 @pytest.mark.parametrize("areas", AREAS)
 def test_threads_do_not_show(areas: str, transport: str, estimator: str, first_shot: bool) -> None:
-    settings: dict[str, Any] = {"transport": transport, "estimator": estimator, "areas": areas, "first_shot": first_shot}
+    settings: dict[str, Any] = {**budget(transport, 150_000), "estimator": estimator, "areas": areas, "first_shot": first_shot}
     scene = lumel.load("lumel:cornell")
-    runs = [
-        render(scene, **settings, rays=150_000, patches=1500, size=(33, 17), quality="draft", seed=3, threads=threads)
-        for threads in (1, 2, 8)
-    ]
+    runs = [render(scene, **settings, patches=1500, size=(33, 17), quality="draft", seed=3, threads=threads) for threads in (1, 2, 8)]
     assert_same(runs[0], runs[1])
     assert_same(runs[0], runs[2])
 
@@ -44,9 +41,8 @@ def test_threads_do_not_show(areas: str, transport: str, estimator: str, first_s
 def test_threads_do_not_show_on_the_bust(shared: Path, transport: str, estimator: str) -> None:
     scene = lumel.load(shared / "scenes/bust.xml")
     settings: dict[str, Any] = {
-        "transport": transport,
+        **budget(transport, 120_000),
         "estimator": estimator,
-        "rays": 120_000,
         "size": (32, 24),
         "quality": "draft",
         "camera": "all",

@@ -13,7 +13,7 @@ from lumel import _core
 from lumel.images import read_picture
 from lumel.images.compare import compare
 from lumel.settings import TRANSPORTS
-from running import assert_same_mean, render, tiles
+from running import assert_same_mean, budget, render, tiles
 
 CASES = [(transport, estimator) for transport in TRANSPORTS for estimator in _core.estimators()]
 SHARED = ("bust", "cornell_glossy", "courtyard", "spotlit")
@@ -26,8 +26,8 @@ FACES = {(0, -1, 0): 1.1327, (0, 1, 0): 0.2684, (1, 0, 0): 0.2477, (-1, 0, 0): 0
 @pytest.mark.parametrize(("transport", "estimator"), CASES)
 @pytest.mark.parametrize("first_shot", [True, False])
 def test_furnace_is_1_in_every_pixel(transport: str, estimator: str, first_shot: bool) -> None:
-    settings: dict[str, Any] = {"transport": transport, "estimator": estimator, "first_shot": first_shot}
-    result = render(lumel.load("lumel:furnace"), **settings, rays=1_600_000, patches=1000, size=(32, 24))
+    settings: dict[str, Any] = {**budget(transport, 1_600_000), "estimator": estimator, "first_shot": first_shot}
+    result = render(lumel.load("lumel:furnace"), **settings, patches=1000, size=(32, 24))
     image, stderr = result.image().astype(np.float64), result.stderr()
     # Errors of the solution are common to neighbours, so the mean is held to those of single pixels.
     assert np.all(np.abs(image - 1) < 6 * stderr + 1e-3), np.abs(image - 1).max()
@@ -41,7 +41,7 @@ def test_cube_has_the_radiosities_of_theory(transport: str, first_shot: bool) ->
     runs = []
     for seed in range(SEEDS):
         patches = render(
-            scene, transport=transport, first_shot=first_shot, rays=400_000, patches=3000, size=(4, 4), quality="draft", seed=seed
+            scene, **budget(transport, 400_000), first_shot=first_shot, patches=3000, size=(4, 4), quality="draft", seed=seed
         ).patches
         normals = patches.normal.round()
         faces = [np.all(normals == face, axis=1) for face in FACES]
@@ -54,7 +54,13 @@ def test_cube_has_the_radiosities_of_theory(transport: str, first_shot: bool) ->
 
 def pictures(scene: lumel.Scene, seed: int, **settings: Any) -> list[np.ndarray[Any, np.dtype[np.float32]]]:
     """Small renders with seeds of their own."""
-    work: dict[str, Any] = {"rays": 400_000, "patches": 4000, "size": (32, 32), "quality": "draft", **settings}
+    work: dict[str, Any] = {
+        **budget(settings.get("transport", "rays"), 400_000),
+        "patches": 4000,
+        "size": (32, 32),
+        "quality": "draft",
+        **settings,
+    }
     return [render(scene, **work, seed=seed + k).image() for k in range(SEEDS)]
 
 
@@ -65,12 +71,13 @@ def assert_agree(scene: lumel.Scene, one: dict[str, Any], other: dict[str, Any],
     assert_same_mean([tiles(image) for image in a], [tiles(image) for image in b], slack=slack)
 
 
+@pytest.mark.parametrize("other", [transport for transport in TRANSPORTS if transport != "rays"])
 @pytest.mark.parametrize("name", SHARED)
-def test_walk_agrees_with_rays(shared: Path, name: str) -> None:
+def test_transports_agree(shared: Path, name: str, other: str) -> None:
     # The spot is lit by so little of the lamp that fewer patches may not find it.
     patches = 20_000 if name == "spotlit" else 4000
-    walk, rays = ({"transport": transport, "patches": patches} for transport in ("walk", "rays"))
-    assert_agree(lumel.load(shared / f"scenes/{name}.xml"), walk, rays, slack=0.01)
+    one, rays = ({"transport": transport, "patches": patches} for transport in (other, "rays"))
+    assert_agree(lumel.load(shared / f"scenes/{name}.xml"), one, rays, slack=0.01)
 
 
 @pytest.mark.parametrize("transport", TRANSPORTS)

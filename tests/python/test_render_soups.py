@@ -15,7 +15,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import lumel
-from running import render
+from lumel.settings import TRANSPORTS
+from running import budget, render
 
 coordinates = st.one_of(
     st.floats(-1, 1, width=32),
@@ -36,7 +37,7 @@ soups = st.fixed_dictionaries(
         "material": materials,
         "lamp": st.booleans(),
         "point": st.booleans(),
-        "transport": st.sampled_from(["rays", "walk"]),
+        "transport": st.sampled_from(TRANSPORTS),
         "estimator": st.sampled_from(["weighted", "classical"]),
         "first_shot": st.booleans(),
     }
@@ -68,9 +69,9 @@ def build(soup: dict[str, Any]) -> lumel.Scene:
 
 def try_to_render(soup: dict[str, Any]) -> str:
     """'' for a picture of finite numbers >= 0 or a LumelError, else what is wrong. Runs in a process that may crash."""
-    settings = {name: soup[name] for name in ("transport", "estimator", "first_shot")}
+    settings = {"estimator": soup["estimator"], "first_shot": soup["first_shot"], **budget(soup["transport"], 2000)}
     try:
-        result = render(build(soup), **settings, limit=3, rays=2000, patches=60, size=(6, 4), quality="draft", threads=1)
+        result = render(build(soup), **settings, limit=3, patches=60, size=(6, 4), quality="draft", threads=1)
     except lumel.LumelError as error:
         return "" if str(error) else "an error without words"
     except AssertionError as error:
@@ -153,7 +154,7 @@ PLAIN = {
         {"material": "black", "emission": 1.0},
     ],
 )
-@pytest.mark.parametrize("transport", ["rays", "walk"])
+@pytest.mark.parametrize("transport", TRANSPORTS)
 def test_single_triangles(worker: Worker, what: dict[str, Any], transport: str) -> None:
     assert worker({**PLAIN, **what, "transport": transport}) == ""
 

@@ -21,6 +21,8 @@ def messages(**values: Any) -> list[str]:
     [
         ({"rays": "5"}, "rays"),
         ({"rays": 1e6}, "rays"),
+        ({"directions": 1.5}, "directions"),
+        ({"window": "wide"}, "window"),
         ({"seed": None}, "seed"),
         ({"seed": 1.5}, "seed"),
         ({"threads": None}, "threads"),
@@ -54,3 +56,17 @@ def test_each_number_out_of_its_range_is_named_once(name: str, value: float) -> 
 def test_all_problems_are_named_at_once() -> None:
     named = [message.split()[0] for message in messages(estimator="wieghted", rays=-5, seed=-1, size=(0, 0), gather=-2, threads=-1)]
     assert sorted(named) == ["gather", "rays", "seed", "size", "threads", "unknown"]
+
+
+def test_what_a_transport_does_not_have_is_named_with_those_that_do() -> None:
+    assert messages(transport="bundles", rays=1000, defensive=0.1) == [
+        "rays is 1000, which the transport bundles does not have; allowed: with rays and walk",
+        "defensive is 0.1, which the transport bundles does not have; allowed: with rays and walk",
+    ]
+    assert messages(directions=10, window=64, iteration="plain") == [
+        "directions is 10, which the transport rays does not have; allowed: with bundles",
+        "window is 64, which the transport rays does not have; allowed: with bundles",
+        "iteration is plain, which the transport rays does not have; allowed: with bundles",
+    ]
+    assert messages(transport="bundles", directions=10, window=8) == ["window is 8; allowed: 16 to 16384 pixels"]
+    assert messages(transport="bundles", directions=0) == ["directions is 0; allowed: 1 to 10^9"]

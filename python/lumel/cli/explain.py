@@ -33,7 +33,8 @@ def show(explanation: Explanation) -> None:
         console.print(table)
         if explanation.more_lamps:
             console.print(f"and {explanation.more_lamps} weaker lamps")
-    went = f"{text.count(explanation.rays, 'rays')} of the transport `{explanation.transport}` arrived on: {_shares(explanation.landed)}"
+    work = text.count(explanation.work, explanation.unit)
+    went = f"{work} of the transport `{explanation.transport}` arrived on: {_shares(explanation.landed)}"
     console.print(f"{went}; {explanation.escaped:.1%} left the scene")
     for areas in explanation.areas:
         console.print(*_story(areas, explanation.estimator), sep="\n")

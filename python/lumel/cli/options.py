@@ -10,7 +10,7 @@ import typer
 # typer looks at these annotations when it runs, so they stand outside TYPE_CHECKING.
 Scene = Annotated[str, typer.Argument(metavar="SCENE", help="Mitsuba XML, OBJ, PLY or STL file, or a built-in scene such as lumel:demo.")]
 Outputs = Annotated[list[Path], typer.Option("--output", "-o", metavar="OUT.exr|OUT.png", help="Picture to write; repeat for several.")]
-Transport = Annotated[str | None, typer.Option("--transport", metavar="walk|rays", help="How light is carried; rays by default.")]
+Transport = Annotated[str | None, typer.Option("--transport", metavar="walk|rays|bundles", help="How light is carried; rays by default.")]
 Areas = Annotated[str | None, typer.Option("--areas", metavar="patches|pixels", help="Where gloss is measured; patches by default.")]
 Estimator = Annotated[
     str | None,
@@ -28,6 +28,12 @@ FirstShot = Annotated[
     bool | None, typer.Option("--first-shot/--no-first-shot", help="Replace lamps by their first reflection; on by default.")
 ]
 Rays = Annotated[str | None, typer.Option("--rays", metavar="N", help="Stop after N shooting rays (5000, 1e6, 2M).")]
+Directions = Annotated[str | None, typer.Option("--directions", metavar="N", help="Stop after N directions of bundles (500, 4k).")]
+Window = Annotated[int | None, typer.Option("--window", metavar="N", help="Pixels of an edge of the window that bundles go through.")]
+Iteration = Annotated[
+    str | None,
+    typer.Option("--iteration", metavar="frozen|plain", help="What bundles carry: a solved state, or what the last one brought."),
+]
 Time = Annotated[float | None, typer.Option("--time", metavar="SECONDS", help="Wall time from the files read to the picture complete.")]
 Error = Annotated[float | None, typer.Option("--error", metavar="E", help="Stop when the relative error of the picture is below E.")]
 Patches = Annotated[str | None, typer.Option("--patches", metavar="N", help="About so many patches in all.")]

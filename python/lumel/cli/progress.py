@@ -47,9 +47,9 @@ def plain_line(progress: Progress) -> str:
     parts = [f"{PHASES.get(progress.phase, progress.phase):9}"]
     if math.isfinite(progress.fraction):
         parts[0] += f"{100 * progress.fraction:4.0f} %"
-    parts.append(text.count(progress.rays, "rays"))
+    parts.append(text.count(progress.rays, progress.unit))
     if math.isfinite(progress.rays_per_s):
-        parts.append(text.count(progress.rays_per_s, "rays/s"))
+        parts.append(text.count(progress.rays_per_s, f"{progress.unit}/s"))
     if math.isfinite(progress.error):
         parts.append(f"error {text.error(progress.error)}")
     if math.isfinite(progress.remaining):

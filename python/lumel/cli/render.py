@@ -31,9 +31,12 @@ def render(
     weight_diffuse: options.WeightDiffuse = None,
     first_shot: options.FirstShot = None,
     rays: options.Rays = None,
+    directions: options.Directions = None,
     time: options.Time = None,
     error: options.Error = None,
     patches: options.Patches = None,
+    window: options.Window = None,
+    iteration: options.Iteration = None,
     quality: options.Quality = None,
     camera: options.Camera = None,
     size: options.Size = None,
@@ -52,16 +55,19 @@ def render(
     problems: list[Problem] = []
     defines = values.defines(define or [], problems)
     wanted = values.layers(layers, problems)
-    budgets = {"rays": values.count("--rays", rays, problems), "time": time, "error": error}
+    budgets = {
+        "rays": values.count("--rays", rays, problems), "directions": values.count("--directions", directions, problems),
+        "time": time, "error": error,
+    }  # fmt: skip
     settings: dict[str, Any] = {
         "transport": transport, "areas": areas, "estimator": estimator, "defensive": defensive, "gather": gather,
         "weight_diffuse": weight_diffuse, "first_shot": first_shot, "patches": values.count("--patches", patches, problems),
         "quality": quality, "camera": camera, "size": values.size(size, problems), "layers": wanted, "explain": explain or None,
-        "seed": seed, "threads": threads,
+        "seed": seed, "threads": threads, "window": window, "iteration": iteration,
     }  # fmt: skip
     show = show or progress.default_kind()
     values.choice("--progress", show, progress.KINDS, problems)
-    if values.exclusive({"--rays": rays, "--time": time, "--error": error}, problems):
+    if values.exclusive({"--rays": rays, "--directions": directions, "--time": time, "--error": error}, problems):
         settings |= budgets
     values.exposure(exposure, problems)
     # Flags that were not given are left to the defaults of lumel.render.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from . import text
 
@@ -23,15 +23,28 @@ def show(result: Result, files: Sequence[Path], *, as_json: bool) -> None:
         print("stopped early, on request")
     if line := numbers(result.stats):
         print(line)
+    if "directions" in result.stats:
+        print(bundles(result.stats))
     for note in result.notes:
         print(f"note: {note}")
     for file in files:
         print(f"wrote {file}")
 
 
+def bundles(stats: Mapping[str, Any]) -> str:
+    """`window 512, 3 M fragments, 2 M pairs, mean depth 2.4, 12 parity violations per million lines`."""
+    return (
+        f"window {stats['window']}, {text.count(stats['fragments'], 'fragments')}, {text.count(stats['pairs'], 'pairs')}, "
+        f"mean depth {stats['mean_depth']:.2f}, {text.si(stats['parity_violations_per_million']).strip()} parity violations per million "
+        f"lines, {text.error(stats['escaped_share'])} of the light escaped"
+    )
+
+
 def numbers(stats: Mapping[str, object]) -> str:
     """`5 M rays, 4.2 M rays/s, 3.1 s, error 1.2 %`, of those that `stats` has."""
     shown: dict[str, Callable[[float], str]] = {
+        "directions": lambda value: text.count(value, "directions"),
+        "directions_per_s": lambda value: text.count(value, "directions/s"),
         "rays": lambda value: text.count(value, "rays"),
         "rays_per_s": lambda value: text.count(value, "rays/s"),
         "time": text.seconds,

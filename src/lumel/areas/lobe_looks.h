@@ -34,20 +34,21 @@ public:
     double size_of_transfer(uint32_t look) const {
         return double{lum(drawn_[look].scatter)} / (double{seen_[look].density} * double{drawn_[look].cos_per_density});
     }
-    /// Hand f/q and g/q of every look to `add`, with q = n_s p + n_g p_g for `gather` = n_g looks in all.
+    /// Hand f/q and g/q of every look to `add`, with q = n_s p + n_g p_g for `gather` = n_g looks in all. To n_s p belongs `density_aw`,
+    /// that of bundles, beside what a look has seen.
     template <class Add>
-    void samples(double gather, Add&& add) const {
+    void samples(double density_aw, double gather, Add&& add) const {
         for (uint32_t i = 0; i < size_; ++i) {
             const Drawn& d = drawn_[i];
-            const double q = double{seen_[i].density} * double{d.cos_per_density} + gather * double{d.pdf_w};
+            const double q = double{seen_[i].density} * double{d.cos_per_density} + density_aw + gather * double{d.pdf_w};
             add(to_double(d.scatter) * to_double(seen_[i].radiance) * (1 / q), double{lum(d.scatter)} / q);
         }
     }
 
 private:
     struct Drawn {
-        Rgb scatter;            // w_s, 1/sr
-        float pdf_w;            // p_g
+        Rgb scatter;  // w_s, 1/sr
+        float pdf_w;  // p_g
         float cos_per_density;  // from n_s p / cos(theta_x), per m2 and sr, to the measure of the area
     };
     std::array<Look, kMost> looks_;

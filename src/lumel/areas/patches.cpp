@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "lumel/areas/bundle_samples.h"
 #include "lumel/areas/lobe_albedo.h"
 #include "lumel/areas/lobe_looks.h"
 #include "lumel/sampling/hash.h"
@@ -52,8 +53,10 @@ PatchAreas::PatchAreas(const Scene& scene, std::vector<Vec3> eyes, std::vector<u
 
 void PatchAreas::measure(const Step& step) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, size(), 64), [&](const auto& range) {
+        BundleSamples samples(step.bundles);
         for (uint32_t area = range.begin(); area < range.end(); ++area) {
             measure_shot(step, area);
+            if (!step.bundles.empty()) measure_bundles(step, samples, area);
             for (uint32_t eye = 0; eye < eyes(); ++eye) look(step, area, eye);
         }
     });
@@ -91,6 +94,7 @@ void PatchAreas::look(const Step& step, uint32_t area, uint32_t eye) {
     if (!(albedo_[at(eye, area)] > 0)) return;
     const uint32_t side = sides_[area], patch = scene_->patch_of_side(side);
     const uint64_t stream = key(step.stream, side, eye);
+    const double size = scene_->side_area(side);
     const bool gathers = step.gather > 0;
     const auto draw = [&](LobeLooks& looks, uint32_t i) {
         const SurfacePoint p = scene_->point_on_patch(patch, square_to_triangle(sobol2d(i, key(stream, 1))));
@@ -99,7 +103,8 @@ void PatchAreas::look(const Step& step, uint32_t area, uint32_t eye) {
     };
     const auto use = [&](const LobeLooks& looks) {
         if (gathers)
-            looks.samples(step.gather / double{scene_->side_area(side)}, [&](Rgb64 f, double g) { tally_.add(at(eye, area), step, f, g); });
+            looks.samples(step.bundle_density_w() / size, step.gather / size,
+                          [&](Rgb64 f, double g) { tally_.add(at(eye, area), step, f, g); });
         else
             for (uint32_t i = 0; i < looks.size(); ++i) tally_.add_look(at(eye, area), step, looks.size_of_transfer(i));
     };

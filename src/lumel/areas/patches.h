@@ -7,13 +7,15 @@
 
 namespace lumel {
 
+class BundleSamples;
+
 /// Measures the indirect specular radiance of chosen glossy sides towards many eyes.
 ///
 /// A transfer (x, wi, L_in, p) that lands on side A gives, with w_s = f_s cos(theta_i) towards the eye,
 ///     f/p = L_in w_s / (A p)      g/p = lum(w_s) / (a_bar A p)
 /// where a_bar is the mean of lum(a_s) over the side, so that g integrates to 1 over it. Gathered samples join under one density: with
 /// n_g rays a side and step, drawn by the lobe with density p_g, both kinds are divided by q = n_s p + n_g p_g. Then q > 0 wherever
-/// g > 0, and no weight g/q exceeds max(g/p_g) / n_g.
+/// g > 0, and no weight g/q exceeds max(g/p_g) / n_g. A bundle is integrated over the side, so that its p is that of a direction alone.
 class PatchAreas {
 public:
     /// `measured`: glossy sides that scatter, in ascending order. `eyes`: positions.
@@ -40,6 +42,7 @@ public:
 private:
     size_t at(uint32_t eye, uint32_t area) const { return size_t{area} * eyes_.size() + eye; }
     void measure_shot(const Step& step, uint32_t area);
+    void measure_bundles(const Step& step, BundleSamples& samples, uint32_t area);
     /// Gather, or with nothing to gather look now and then what the density covers.
     void look(const Step& step, uint32_t area, uint32_t eye);
 

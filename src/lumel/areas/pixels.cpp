@@ -17,13 +17,6 @@ constexpr uint32_t kSides = 256;         // receivers of a work item
 constexpr uint32_t kAlbedoSamples = 16;  // for a pixel, and this many times as many where it is not uniform
 constexpr uint32_t kLobeSamples = 8;     // for each of these
 
-/// Point of the film, in the unit square of the whole picture, at `s` of a pixel.
-Square on_film(const Camera& camera, uint32_t pixel, Square s) {
-    const uint32_t column = pixel % camera.width, row = pixel / camera.width;
-    return {(static_cast<float>(column) + s.u) / static_cast<float>(camera.width),
-            (static_cast<float>(row) + s.v) / static_cast<float>(camera.height)};
-}
-
 /// |ds/dA| of a pixel at x; 0 where the surface faces away. dw/ds falls as the cube of the cosine over the film.
 float film_density(const Camera& camera, const Surface& x) {
     const Vec3 to = camera.origin - x.x;
@@ -77,7 +70,7 @@ void PixelAreas::find_albedo() {
             double sum = 0, least = INFINITY, most = 0;
             uint32_t wanted = kAlbedoSamples;
             for (uint32_t i = 0; i < wanted; ++i) {
-                const Ray ray{camera.origin, camera.direction(on_film(camera, pixel, sobol2d(i, key(c, pixel))))};
+                const Ray ray{camera.origin, camera.direction(camera.on_film(pixel, sobol2d(i, key(c, pixel))))};
                 const Hit hit = accel_->intersect(ray);
                 double albedo = 0;
                 if (!hit.is_miss()) {
@@ -109,6 +102,7 @@ void PixelAreas::measure(const Step& step) {
             else
                 tally_.add(d.area, step, to_double(d.f), double{d.g});
         }
+    for (uint32_t camera = 0; !step.bundles.empty() && camera < cameras(); ++camera) measure_bundles(step, camera);
     for (uint32_t camera = 0; camera < cameras(); ++camera)
         tbb::parallel_for(uint32_t{0}, cameras_[camera].width * cameras_[camera].height, [&](uint32_t pixel) {
             const FlushDenormals flush;
@@ -149,7 +143,7 @@ void PixelAreas::look(const Step& step, uint32_t camera, uint32_t pixel) {
     const uint64_t stream = key(step.stream, camera, pixel);
     const bool gathers = step.gather > 0;
     const auto draw = [&](LobeLooks& looks, uint32_t i) {
-        const Ray ray{cameras_[camera].origin, cameras_[camera].direction(on_film(cameras_[camera], pixel, sobol2d(i, key(stream, 1))))};
+        const Ray ray{cameras_[camera].origin, cameras_[camera].direction(cameras_[camera].on_film(pixel, sobol2d(i, key(stream, 1))))};
         const Hit hit = accel_->intersect(ray);
         if (hit.is_miss()) return;
         const Surface x(*scene_, hit.point(), hit.back);
@@ -158,7 +152,7 @@ void PixelAreas::look(const Step& step, uint32_t camera, uint32_t pixel) {
     };
     const auto use = [&](const LobeLooks& looks) {
         if (gathers)
-            looks.samples(step.gather, [&](Rgb64 f, double g) { tally_.add(area, step, f, g); });
+            looks.samples(step.bundle_density_w(), step.gather, [&](Rgb64 f, double g) { tally_.add(area, step, f, g); });
         else
             for (uint32_t i = 0; i < looks.size(); ++i) tally_.add_look(area, step, looks.size_of_transfer(i));
     };

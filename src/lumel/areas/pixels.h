@@ -16,6 +16,7 @@ namespace lumel {
 ///     f/p = L_in w_s |ds/dA| / p      g/p = lum(w_s) |ds/dA| / (a_bar p)
 /// a_bar is the mean of lum(a_s) over the pixel, 0 for what is not gloss, so that g integrates to 1 over pixels half on gloss as well.
 /// ([WIS] averages over the surface's area instead.) Gathered samples join as for patches; their points are drawn on the pixel.
+/// A bundle brings the light of a whole patch, which every pixel reflects by its own lobe.
 class PixelAreas {
 public:
     PixelAreas(const Accel& accel, std::vector<Camera> cameras);
@@ -42,6 +43,7 @@ private:
     void find_receivers();
     void find_albedo();
     void shoot_side(const Step& step, uint32_t side, std::vector<Deposit>& deposits) const;
+    void measure_bundles(const Step& step, uint32_t camera);
     /// Gather, or with nothing to gather look now and then what the density covers.
     void look(const Step& step, uint32_t camera, uint32_t pixel);
 

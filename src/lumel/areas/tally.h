@@ -5,6 +5,7 @@
 
 #include "lumel/estimators/estimator.h"
 #include "lumel/sampling/hash.h"
+#include "lumel/transfer/bundle.h"
 #include "lumel/transfer/sight.h"
 #include "lumel/transfer/transfers.h"
 
@@ -15,19 +16,26 @@ inline uint32_t at_random(double expected, uint64_t stream) {
     return static_cast<uint32_t>(expected + double{to_unit(static_cast<uint32_t>(stream >> 32))});
 }
 
-/// One step of a transport to measure. Its light counts `weight`; its densities count by its rays.
+/// One step of a transport to measure. Its light counts `weight`; its densities count by its bundles, or its rays if it has none.
 struct Step {
-    const Transfers& transfers;
+    const Transfers& transfers;  ///< of rays; without a density where there are bundles
     const Sight& sight;
+    std::span<const Bundle> bundles = {};
     double weight = 1;
     double gather = 0;    ///< n_g: expected gathering rays for every area and eye; areas take turns for a fraction
     uint64_t stream = 0;  ///< key of the random numbers
 
+    /// n_s, what densities of this step count by.
+    double samples() const { return static_cast<double>(bundles.empty() ? transfers.rays : bundles.size()); }
+    /// n_s p of the bundles, 1/sr: the same for all areas and directions.
+    double bundle_density_w() const { return static_cast<double>(bundles.size()) * double{Bundle::kPdf_w}; }
     /// Rays that an area gathers in this step.
     uint32_t gather_count(uint64_t area_stream) const { return at_random(gather, area_stream); }
     /// Looks that only tell what the density covers, where nothing is gathered: a few, that cost up to a tenth of the step's rays in all.
+    /// Bundles cover everything.
     uint32_t look_count(size_t areas, uint64_t area_stream) const {
         constexpr double kMost = 4, kShare = 0.1;
+        if (!bundles.empty()) return 0;
         const double wanted = kShare * static_cast<double>(transfers.rays) / static_cast<double>(std::max<size_t>(areas, 1));
         return at_random(std::min(kMost, wanted), area_stream);
     }
@@ -44,7 +52,7 @@ public:
     /// Add a sample of a step to an area: what it adds to its light and to its density.
     void add(size_t area, const Step& step, Rgb64 f, double g) {
         Sums& s = current_[area];
-        f = f * step.weight, g *= static_cast<double>(step.transfers.rays);
+        f = f * step.weight, g *= step.samples();
         s.f += f, s.fg += f * g, s.g += g, s.gg += g * g;
         ++s.hits;
     }

@@ -14,6 +14,12 @@ struct Camera {
     float tan_x = 0.5f, tan_y = 0.5f; ///< tangents of half the fields of view
     uint32_t width = 1, height = 1;   ///< pixels
 
+    /// Point of the film, in the unit square of the whole picture, at `s` of a pixel.
+    Square on_film(uint32_t pixel, Square s) const {
+        const uint32_t column = pixel % width, row = pixel / width;
+        return {(static_cast<float>(column) + s.u) / static_cast<float>(width),
+                (static_cast<float>(row) + s.v) / static_cast<float>(height)};
+    }
     /// Unit direction through point `film` of the unit square, whose origin is the upper left corner.
     Vec3 direction(Square film) const { return normalize(forward + right * ((2 * film.u - 1) * tan_x) + up * ((1 - 2 * film.v) * tan_y)); }
 };

@@ -27,9 +27,10 @@ Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& 
       defensive_(survey(accel_, key(config.solver.seed, kSurvey))),
       cameras_(std::move(cameras)),
       config_(config) {
-    // Gathered samples cover all that a lobe can see, and `classical` asks for no cover.
+    // Gathered samples and bundles cover all that a lobe can see, and `classical` asks for no cover.
     const bool is_classical = config_.estimator == find_estimator("classical"), is_auto = config_.estimator == find_estimator("auto");
-    const bool covered = (config_.solver.gather > 0 || is_classical) && !config_.weight_diffuse.value_or(false);
+    const bool covered = (config_.solver.gather > 0 || is_classical || transport() == Transport::kBundles) &&
+                         !config_.weight_diffuse.value_or(false);
     if (config_.solver.defensive < 0) config_.solver.defensive = covered ? 0 : defensive_.open() ? kDefensiveOpen : kDefensiveClosed;
     const bool in_pixels = config.areas == AreaKind::kPixels;
     PatchAreas patches(scene_, eyes_of(cameras_), in_pixels ? std::vector<uint32_t>{} : visible_glossy_sides(accel_, lattice_, cameras_));

@@ -7,6 +7,7 @@
 #include "lumel/eye/eye_pass.h"
 #include "lumel/eye/pixel_radiance.h"
 #include "lumel/solver/solver.h"
+#include "lumel/transport/variance_growth.h"
 
 namespace lumel {
 
@@ -39,6 +40,8 @@ public:
     const DefensiveStarts& defensive() const { return defensive_; }
     const std::vector<Camera>& cameras() const { return cameras_; }
     Solver& solver() { return *solver_; }
+    Transport transport() const { return config_.solver.transport; }
+    bool is_plain() const { return transport() == Transport::kBundles && config_.solver.iteration == Iteration::kPlain; }
 
     /// Irradiance that was shot, W/m2, weighed if it was asked for.
     SideField indirect() const;
@@ -52,6 +55,8 @@ public:
     /// Areas or vertices that had no sample when the fields were made: those that took their neighbours' samples, and those left dark.
     uint32_t borrowed() const;
     uint32_t unfilled() const;
+    /// Growth of the variance in a step of the plain iteration of bundles (see `variance_growth`).
+    double variance_growth() const { return lumel::variance_growth(accel_, defensive_, config_.solver.seed); }
     /// Share of the measured areas that are flagged (see Trust), 0..1.
     double flagged() const;
     /// What an estimator makes of every area of interest that a camera sees, in ascending order of sides or pixels.

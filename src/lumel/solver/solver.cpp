@@ -8,7 +8,8 @@ namespace {
 
 enum Stream : uint64_t { kFirstShot = 31, kSolve, kStep, kGather, kLamps };
 
-constexpr double kRaysPerFullStep = 1 << 20;
+// Work of a full step, which the number of gathering rays refers to.
+constexpr double kRaysPerFullStep = 1 << 20, kBundlesPerFullStep = 1 << 10;
 
 }  // namespace
 
@@ -23,38 +24,66 @@ Solver::Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfi
 }
 
 void Solver::begin_replica(uint64_t solve_rays) {
-    const uint64_t replica = replicas();
     light_ = std::make_unique<Illumination>(
         *accel_, *defensive_,
-        IlluminationConfig{config_.first_shot, config_.direct_samples, config_.homogeneous, key(config_.seed, kFirstShot, replica)});
+        IlluminationConfig{config_.first_shot, config_.direct_samples, config_.homogeneous, key(config_.seed, kFirstShot, replicas())});
     received_.assign(accel_->scene().sides(), {});
     weight_ = density_rays_ = 0;
     steps_ = generations_ = 0;
-    frozen_.reset();
-    if (config_.transport == Transport::kRays) {
-        const auto first = static_cast<uint64_t>(static_cast<double>(solve_rays) / reflections_) + 1;
-        uint64_t rays = 0;
-        // No measuring here, so no defensive part is needed.
-        frozen_ = std::make_unique<FrozenLight>(*accel_, *defensive_, *light_, WalkConfig{first, 0.0f, key(config_.seed, kSolve, replica)},
-                                                rays);
-        reflections_ = std::clamp(static_cast<double>(rays) / static_cast<double>(first), 1.0, 100.0);
-        stats_.rays += rays;
+    frozen_.reset(), bundles_.reset();
+    if (config_.transport == Transport::kRays) start_rays(solve_rays);
+    if (config_.transport == Transport::kBundles) start_bundles(solve_rays);
+}
+
+void Solver::start_rays(uint64_t solve_rays) {
+    const auto first = static_cast<uint64_t>(static_cast<double>(solve_rays) / reflections_) + 1;
+    uint64_t rays = 0;
+    // No measuring here, so no defensive part is needed.
+    frozen_ = std::make_unique<FrozenLight>(*accel_, *defensive_, *light_, WalkConfig{first, 0.0f, key(config_.seed, kSolve, replicas())},
+                                            rays);
+    reflections_ = std::clamp(static_cast<double>(rays) / static_cast<double>(first), 1.0, 100.0);
+    stats_.rays += rays;
+}
+
+void Solver::start_bundles(uint64_t solve_rays) {
+    const auto first = static_cast<uint64_t>(static_cast<double>(solve_rays) / reflections_) + 1;
+    const BundleConfig config{config_.window, first, key(config_.seed, kSolve, replicas())};
+    if (config_.iteration == Iteration::kPlain) {
+        bundles_ = std::make_unique<IteratedBundles>(*accel_, *defensive_, *light_, config);
+    } else {
+        bundles_ = std::make_unique<FrozenBundles>(*accel_, *defensive_, *light_, config);
+        reflections_ = std::clamp(static_cast<double>(bundles_->rays()) / static_cast<double>(first), 1.0, 100.0);
     }
 }
 
-void Solver::step(uint64_t rays) {
+void Solver::step(uint64_t work) {
     const uint64_t stream = key(config_.seed, kStep, replicas(), steps_++);
-    const auto weight = static_cast<double>(rays);
-    const Sink sink = [&](const Generation& generation) { absorb(generation, weight); };
-    if (config_.transport == Transport::kRays) {
-        stats_.rays += frozen_->step(*accel_, *defensive_, *light_, {rays, config_.defensive, stream}, sink);
-    } else {
+    const auto weight = static_cast<double>(work);
+    const Sink sink = [&](const Generation& generation) {
+        // Steps of fewer rays (late generations of a walk) get fewer gathering rays.
+        absorb(generation, weight, static_cast<double>(generation.transfers.rays) / kRaysPerFullStep);
+    };
+    switch (config_.transport) {
+    case Transport::kWalk: {
         const auto first = static_cast<uint64_t>(weight / reflections_) + 1;
         const uint64_t shot = walk(*accel_, *defensive_, light_->emitters(key(stream, kLamps)), {first, config_.defensive, stream}, sink);
         reflections_ = std::clamp(static_cast<double>(shot) / static_cast<double>(first), 1.0, 100.0);
         stats_.rays += shot;
+        weight_ += weight;
+        break;
     }
-    weight_ += weight;
+    case Transport::kRays:
+        stats_.rays += frozen_->step(*accel_, *defensive_, *light_, {work, config_.defensive, stream}, sink);
+        weight_ += weight;
+        break;
+    case Transport::kBundles:
+        bundles_->step(static_cast<uint32_t>(work), [&](const Generation& generation) {
+            const auto directions = static_cast<double>(generation.bundles.size());
+            absorb(generation, directions, directions / kBundlesPerFullStep);
+            weight_ += directions;
+        });
+        break;
+    }
 }
 
 std::vector<Ray> Solver::departures(uint64_t rays) const {
@@ -62,23 +91,28 @@ std::vector<Ray> Solver::departures(uint64_t rays) const {
                    : std::vector<Ray>{};
 }
 
-void Solver::absorb(const Generation& generation, double weight) {
+void Solver::absorb(const Generation& generation, double weight, double full_steps) {
     for (size_t side = 0; side < received_.size(); ++side) received_[side] += to_double(generation.received[side]) * weight;
-    // Steps of fewer rays (late generations of a walk) get fewer gathering rays.
-    const double gather = double{config_.gather} * static_cast<double>(generation.transfers.rays) / kRaysPerFullStep;
-    const Step step{generation.transfers, generation.sight, weight, gather, key(config_.seed, kGather, replicas(), generations_++)};
+    const Step step{.transfers = generation.transfers,
+                    .sight = generation.sight,
+                    .bundles = generation.bundles,
+                    .weight = weight,
+                    .gather = double{config_.gather} * full_steps,
+                    .stream = key(config_.seed, kGather, replicas(), generations_++)};
     areas_.measure(step);
     if (pixels_) pixels_->measure(step);
     if (irradiance_) irradiance_->measure(step);
-    density_rays_ += static_cast<double>(generation.transfers.rays);
+    density_rays_ += step.samples();
     const Scene& scene = accel_->scene();
     for (uint32_t side = 0; side < scene.sides(); ++side)
-        stats_.landed[scene.shape(scene.triangle_of_side(side))] += generation.transfers.group(side).size();
+        stats_.landed[scene.shape(scene.triangle_of_side(side))] += generation.arrivals(side);
     stats_.escaped += generation.transfers.escaped;
     stats_.lost_flux += generation.transfers.lost_flux * weight;
 }
 
 void Solver::end_replica() {
+    stats_ = stats();
+    bundles_.reset();
     if (steps_ == 0) return;
     const Scene& scene = accel_->scene();
     const auto& direct = light_->direct();
@@ -92,6 +126,12 @@ void Solver::end_replica() {
     steps_ = 0;
     frozen_.reset();
     light_.reset();
+}
+
+SolverStats Solver::stats() const {
+    SolverStats all = stats_;
+    if (bundles_) all.rays += bundles_->rays(), all.bundles += bundles_->stats();
+    return all;
 }
 
 }  // namespace lumel

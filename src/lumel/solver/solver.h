@@ -7,11 +7,15 @@
 #include "lumel/areas/irradiance.h"
 #include "lumel/areas/patches.h"
 #include "lumel/areas/pixels.h"
-#include "lumel/transport/rays.h"
+#include "lumel/transport/frozen_bundles.h"
+#include "lumel/transport/iterated_bundles.h"
 
 namespace lumel {
 
-enum class Transport { kWalk, kRays };
+enum class Transport { kWalk, kRays, kBundles };
+
+/// What bundles carry: the light of a state solved by power, or what the bundle before them brought ([WIS] 3.2).
+enum class Iteration { kFrozen, kPlain };
 
 struct SolverConfig {
     Transport transport = Transport::kRays;
@@ -21,6 +25,8 @@ struct SolverConfig {
     uint32_t direct_samples = 4;    ///< shadow rays a side and replica for the first shot
     Rgb homogeneous{};              ///< for tests: see IlluminationConfig
     uint64_t seed = 0;
+    Iteration iteration = Iteration::kFrozen;  ///< of bundles
+    uint32_t window = 0;            ///< pixels of an edge of the window of a bundle; 0: chosen by the size of patches
 };
 
 /// Counters of all that was done so far.
@@ -28,7 +34,9 @@ struct SolverStats {
     uint64_t rays = 0;       ///< shooting rays
     uint64_t escaped = 0;    ///< of them, those that left the scene
     double lost_flux = 0;    ///< lum of the flux that left the scene, summed over steps as `weight` counts them
-    std::vector<uint64_t> landed;  ///< per shape: transfers that ended there, of those that were measured
+    std::vector<uint64_t>
+        landed;  ///< per shape: transfers that ended there, and bundles that brought a side light, of those that were measured
+    BundleStats bundles;
 };
 
 /// Work goes in the order begin_replica, step..., end_replica; pictures may be made after any end_replica.
@@ -42,10 +50,10 @@ public:
     /// Give irradiance a density to weigh it by, from the first replica on.
     void weigh_irradiance() { irradiance_.emplace(accel_->scene()); }
 
-    /// Start replica `replicas()`: its own first shot and, for `rays`, its own solution by power with about `solve_rays` rays.
+    /// Start replica `replicas()`: its own first shot and, but for `walk`, its own solution by power with about `solve_rays` rays.
     void begin_replica(uint64_t solve_rays);
-    /// Shoot about `rays` rays: one step of `rays`, or one whole walk of `walk`.
-    void step(uint64_t rays);
+    /// Shoot about `work` rays, one step of `rays` or one whole walk of `walk`; or cast `work` bundles.
+    void step(uint64_t work);
     /// The rays that a step of `rays` would trace first, in their order. `rays` transport only, in an open replica.
     std::vector<Ray> departures(uint64_t rays) const;
     /// Close the replica; its light counts as one sample. Does nothing if no step was made.
@@ -54,7 +62,7 @@ public:
     /// Steps made in the replica under way.
     uint64_t steps() const { return steps_; }
     uint32_t replicas() const { return areas_.replicas(); }
-    const SolverStats& stats() const { return stats_; }
+    SolverStats stats() const;
     const PatchAreas& areas() const { return areas_; }
     /// Pixels, if they are measured too.
     const PixelAreas* pixels() const { return pixels_ ? &*pixels_ : nullptr; }
@@ -66,7 +74,11 @@ public:
     SideField indirect() const { return indirect_.field(replicas()); }
 
 private:
-    void absorb(const Generation& generation, double weight);
+    /// Start the transports that keep a state over the steps of a replica.
+    void start_rays(uint64_t solve_rays);
+    void start_bundles(uint64_t solve_rays);
+    /// Measure what a step brought; it counts `weight`, and gets this share of the gathering rays of a full step.
+    void absorb(const Generation& generation, double weight, double full_steps);
 
     const Accel* accel_;
     const DefensiveStarts* defensive_;
@@ -80,6 +92,7 @@ private:
     // The replica under way
     std::unique_ptr<Illumination> light_;
     std::unique_ptr<FrozenLight> frozen_;
+    std::unique_ptr<BundleLight> bundles_;
     std::vector<Rgb64> received_;
     double weight_ = 0, density_rays_ = 0;
     uint64_t steps_ = 0, generations_ = 0;

@@ -21,6 +21,10 @@ inline constexpr int kLampRecords = 4;
 inline constexpr int kSurfaceRecords = 4;
 inline constexpr int kRecords = kLampRecords + kSurfaceRecords;
 
+/// Lobes narrower than this are hardly met by directions that are spread over the hemisphere: bundles leave their light to rays.
+inline constexpr float kSharpest = 0.05f;
+inline bool is_sharp(const Material& material) { return material.is_glossy() && material.alpha < kSharpest; }
+
 struct Emitters {
     std::vector<Rgb> diffuse;        ///< per side: W sent by the Lambertian lobe (reflected, or emitted)
     std::vector<Rgb>

@@ -19,6 +19,8 @@ public:
     std::vector<Ray> departures(const Accel& accel, const DefensiveStarts& defensive, const ShootConfig& config) const {
         return lumel::departures(Shot(accel, emitters_, defensive, config));
     }
+    /// What the next step would shoot.
+    const Emitters& emitters() const { return emitters_; }
 
 private:
     Emitters emitters_, next_;

@@ -32,6 +32,8 @@ Flight launch(const Shot& shot, uint32_t side, const SideSource& source, const S
     const SideSource::Emission e = source.evaluate(y, w);
     const float inv_pdf = cos / (e.pdf_aw + shot.defensive_density(side) * cos);
     if (!std::isfinite(inv_pdf)) return {};
+    if (shot.beside_bundles)
+        return {{y.off(shot.scene.epsilon()), w}, e.sharp * inv_pdf, (e.radiance - e.sharp + e.behind_mirror) * inv_pdf, 0};
     // A perfect mirror that shines: what it reflects has the density of these directions, so its own light stays outside the ratios.
     if (y.scatters && y.material->is_perfect_mirror())
         return {{y.off(shot.scene.epsilon()), w}, e.radiance * inv_pdf, e.behind_mirror * inv_pdf, 0};

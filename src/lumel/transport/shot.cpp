@@ -8,7 +8,7 @@
 namespace lumel {
 
 Shot::Shot(const Accel& a, const Emitters& e, const DefensiveStarts& d, const ShootConfig& config)
-    : accel(a), emitters(e), defensive(d), scene(a.scene()), stream(config.stream) {
+    : accel(a), emitters(e), defensive(d), scene(a.scene()), stream(config.stream), beside_bundles(config.beside_bundles) {
     std::vector<double> power_of(scene.sides());
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 4096), [&](const auto& range) {
         for (uint32_t side = range.begin(); side < range.end(); ++side) power_of[side] = emitters.power(scene, side);

@@ -11,6 +11,7 @@ struct ShootConfig {
     uint64_t rays = 1 << 20;  ///< rays of this step
     float defensive = 0.1f;   ///< share of them that starts at `DefensiveStarts`, 0..1
     uint64_t stream = 0;      ///< key of the random numbers
+    bool beside_bundles = false;  ///< bundles carry what goes straight from side to side: only the rest counts, without density
 };
 
 /// One step: rays go to surfaces and point lamps by power, and a share of them is defensive. What it refers to must outlive it.
@@ -23,6 +24,7 @@ public:
     const DefensiveStarts& defensive;
     const Scene& scene;
     const uint64_t stream;
+    const bool beside_bundles;
     Distribution by_power;                                         ///< over sides, W
     uint32_t from_power = 0, from_defensive = 0, from_points = 0;  ///< rays of each kind, in this order
     double rays_per_watt = 0;                                      ///< of the rays by power

@@ -14,6 +14,7 @@ public:
         Rgb radiance;       ///< W/(m2 sr)
         Rgb behind_mirror;  ///< radiance that counts once a mirror has been passed
         float pdf_aw = 0;   ///< of all lobes together, rays/(m2 sr), without the defensive part
+        Rgb sharp{};        ///< the part of `radiance` that lobes too narrow for bundles send
     };
 
     /// `rays_per_watt`: rays shot for each watt of lum power.
@@ -71,14 +72,17 @@ public:
         if (!records_.empty()) {
             const Frame frame(y.shading);
             const Vec3 wo = frame.to_local(w);
+            Rgb lobes;
             for (const Record& record : records_) {
                 if (!(record.power > 0)) continue;
                 const Vec3 wi = frame.to_local(record.wi);
                 if (!(wi.z > 0 && wo.z > 0)) continue;
                 const ggx::LobeAndDensity lobe = ggx::eval_with_pdf(wi, wo, y.material->alpha);
-                e.radiance += y.material->specular * y.material->fresnel(lobe.cos_h) * record.flux * (lobe.f / area_);
+                lobes += y.material->specular * y.material->fresnel(lobe.cos_h) * record.flux * (lobe.f / area_);
                 e.pdf_aw += record.power * lobe.pdf_w;
             }
+            e.radiance += lobes;
+            if (is_sharp(*y.material)) e.sharp = lobes;
         }
         e.pdf_aw *= density_;
         return e;

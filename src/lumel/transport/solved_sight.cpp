@@ -1,0 +1,20 @@
+#include "lumel/transport/solved_sight.h"
+
+#include "lumel/transport/side_source.h"
+
+namespace lumel {
+
+void SolvedSight::see(std::span<const Look> looks, std::span<Seen> seen) const {
+    const Scene& scene = accel_->scene();
+    for (size_t i = 0; i < looks.size(); ++i) {
+        seen[i] = {};
+        const Hit hit = accel_->intersect({looks[i].origin, looks[i].direction});
+        if (hit.is_miss()) continue;
+        const Surface y(scene, hit.point(), hit.back);
+        const SideSource source(scene, *emitters_, scene.side_of(hit.point(), hit.back), 0);
+        const SideSource::Emission e = source.evaluate(y, -looks[i].direction);
+        seen[i].radiance = e.radiance - e.sharp;
+    }
+}
+
+}  // namespace lumel

@@ -1,0 +1,69 @@
+"""What ray bundles alone have: numbers of what they met, the plain iteration, meshes that are broken."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lumel
+from lumel.images import read_picture
+from lumel.images.compare import compare
+from running import render, run
+
+SMALL: dict[str, Any] = {"transport": "bundles", "patches": 1000, "size": (16, 16), "quality": "draft"}
+
+
+def test_numbers_of_what_they_met() -> None:
+    stats = render(lumel.load("lumel:cube"), **SMALL, directions=200, window=64).stats
+    assert stats["directions"] == 200
+    assert stats["window"] == 64
+    # Every line through a cube meets two faces, which carry light both ways.
+    assert stats["mean_depth"] == pytest.approx(2, abs=1e-3)
+    assert stats["fragments"] == pytest.approx(2 * float(str(stats["pairs"])), rel=1e-3)
+    assert float(str(stats["parity_violations_per_million"])) < 100
+    assert abs(float(str(stats["escaped_share"]))) < 1e-4
+
+
+def test_the_summary_says_them(tmp_path: Path) -> None:
+    flags = ("--transport", "bundles", "--directions", "64", "--window", "64", "--patches", "200", "--size", "8x8", "--quality", "draft")
+    ran = run("render", "lumel:cube", *flags, "-o", "a.exr", cwd=tmp_path)
+    assert ran.code == 0, ran
+    assert "64 directions" in ran.out
+    assert "window 64" in ran.out
+    assert "parity violations per million lines" in ran.out
+
+
+def test_plain_iteration_warns_where_its_variance_has_no_bound() -> None:
+    bright, dim = (render(with_albedo(albedo), **SMALL, directions=64, iteration="plain", window=64).notes for albedo in (0.95, 0.3))
+    assert any("its noise has no bound" in note for note in bright)
+    assert not any("its noise has no bound" in note for note in dim)
+
+
+def with_albedo(albedo: float) -> lumel.Scene:
+    """The cube with all faces of one albedo."""
+    scene = lumel.load("lumel:cube")
+    return replace(scene, materials={name: replace(m, diffuse=(albedo,) * 3) for name, m in scene.materials.items()})
+
+
+def test_a_cracked_room_renders_and_says_what_left_it() -> None:
+    # One of two triangles of a face is missing, so a twelfth of the light of an evenly lit room leaves it.
+    scene = lumel.load("lumel:cube")
+    meshes = [replace(mesh, triangles=mesh.triangles[1:]) if i == 3 else mesh for i, mesh in enumerate(scene.meshes)]
+    result = render(replace(scene, meshes=tuple(meshes)), **SMALL, directions=200)
+    assert np.isfinite(result.image()).all()
+    assert 0.03 < float(str(result.stats["escaped_share"])) < 0.15
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "areas", "most"), [("bust", "pixels", 0.01), ("gallery", "patches", 0.03)])
+def test_shared_scenes_in_20_seconds(shared: Path, name: str, areas: str, most: float) -> None:
+    reference = read_picture(shared / f"scenes/reference/{name}.exr").layers
+    result = render(lumel.load(shared / f"scenes/{name}.xml"), limit=100, time=20, transport="bundles", areas=areas)
+    found = compare(result.image(), reference["rgb"], None, reference["stderr"])
+    assert found.relmse_without_noise is not None
+    assert found.relmse_without_noise <= most
+    assert found.mean_ratio == pytest.approx(1, abs=0.02)
