@@ -184,6 +184,7 @@ void Scene::find_lamps() {
             for (uint32_t vertex : indices_[t]) lamp.radius = std::max(lamp.radius, length(vertices_[vertex] - lamp.centre));
     }
     std::vector<LampBall> balls;
+    balls.reserve(area_lamps_.size() + point_lamps_.size());
     for (const AreaLamp& lamp : area_lamps_) balls.push_back({lamp.centre, lamp.radius, lum(lamp.radiance) * lamp.area});
     for (const PointLamp& lamp : point_lamps_) balls.push_back({lamp.position, 0, lum(lamp.intensity)});
     lamp_tree_ = LampTree(balls);
