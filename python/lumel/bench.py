@@ -17,6 +17,8 @@ from .render import DIRECT_SAMPLES, with_camera
 from .scene import Camera, Scene
 
 RAYS = 1 << 20  # of a step
+WINDOW = 1024  # pixels a side, of bundles
+DIRECTIONS = 32  # of a round of bundles
 ROUNDS = 5  # the median of so many is taken
 EYE_SAMPLES = 4  # a pixel and pass
 BESIDE = 0.01  # metres between eyes, for each metre that the scene is large
@@ -31,7 +33,9 @@ def run(scene: Scene, patches: int | None = None, cameras: int = 1, threads: int
     shooting.begin_replica(rays)
     shooting.step(rays)  # opens memory
     traced = shooting.capture(rays)
-    trace, step = _turns(shooting.trace_captured, lambda: shooting.step(rays))
+    raster = _core.Raster(core, threads)
+    pairs = raster.sweep(WINDOW, DIRECTIONS, 0)["pairs"]
+    trace, step, sweep = _turns(shooting.trace_captured, lambda: shooting.step(rays), lambda: raster.sweep(WINDOW, DIRECTIONS, 0))
     shooting.end_replica()
 
     dark = _session(core, eyes[:1], threads, first_shot=False)
@@ -46,6 +50,8 @@ def run(scene: Scene, patches: int | None = None, cameras: int = 1, threads: int
         "embree_rays_per_s": traced / trace,
         "shooting_rays_per_s": rays / step,
         "shooting_over_embree": rays / step / (traced / trace),
+        "bundle_transfers_per_s": pairs / sweep,
+        "bundles_over_embree": pairs / sweep / (traced / trace),
         "eye_pixels_per_s": samples / seen,
         "eye_pixels_per_s_without_direct": samples / without,
         "peak_rss_bytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,

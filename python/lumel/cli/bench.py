@@ -53,6 +53,7 @@ def tell(found: Mapping[str, Any]) -> str:
         f"scene      {size}, {_plural(found['cameras'], 'eye')}, {_plural(found['threads'], 'thread')}",
         f"Embree     {text.count(found['embree_rays_per_s'], 'rays/s')}, closest hits of the rays that are shot",
         f"shooting   {text.count(found['shooting_rays_per_s'], 'rays/s')} all in, {found['shooting_over_embree']:.2f} of Embree",
+        f"bundles    {text.count(found['bundle_transfers_per_s'], 'transfers/s')}, {found['bundles_over_embree']:.0f} of Embree",
         f"eye pass   {text.count(found['eye_pixels_per_s'], 'samples/s')}",
         f"           {text.count(found['eye_pixels_per_s_without_direct'], 'samples/s')} without direct light",
         f"memory     {found['peak_rss_bytes'] / 2**20:,.0f} MB at most",

@@ -46,15 +46,19 @@ private:
 
 template <class Enough>
 std::vector<uint32_t> Neighbourhood::around(std::span<const uint32_t> centre, Enough&& enough) const {
-    std::vector<uint32_t> seen(centre.begin(), centre.end()), found, edge = seen;
-    const auto is_new = [&](uint32_t area) { return std::find(seen.begin(), seen.end(), area) == seen.end(); };
+    // What was seen in this call bears its number; wide rings hold hundreds of areas, too many to search.
+    thread_local std::vector<uint32_t> seen;
+    thread_local uint32_t call = 0;
+    if (seen.size() < normal_.size() || ++call == 0) seen.assign(normal_.size(), 0), call = 1;
+    std::vector<uint32_t> found, edge(centre.begin(), centre.end());
+    for (uint32_t area : centre) seen[area] = call;
     for (int ring = 0; ring < kRings && !edge.empty(); ++ring) {
         std::vector<uint32_t> next;
         for (uint32_t from : edge)
             for (uint32_t place : places_[from])
                 for (uint32_t area : at_place(place))
-                    if (alike(area, centre[0]) && is_new(area)) {
-                        seen.push_back(area);
+                    if (seen[area] != call && alike(area, centre[0])) {
+                        seen[area] = call;
                         next.push_back(area);
                     }
         found.insert(found.end(), next.begin(), next.end());
