@@ -268,7 +268,9 @@ def _patches(core: _core.Scene, session: _core.Session, scene: Scene) -> Patches
     back = np.array([m.two_sided for m in materials], np.float32)[index]
     sides = np.stack([np.ones_like(back), back], axis=1)[:, :, None] * albedo[:, None, :]
     stderr = np.sqrt(np.moveaxis(direct_var + indirect_var, 0, 1)) * sides
-    return Patches(irradiance * sides, irradiance, stderr, geometry[:, 0], geometry[:, 1:4], geometry[:, 4:7])
+    return Patches(
+        irradiance * sides, irradiance, stderr, geometry[:, 0], geometry[:, 1:4], geometry[:, 4:7], int(str(session.stats["replicas"]))
+    )
 
 
 def _memory(scene: Scene, core: _core.Scene) -> int:

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 from .errors import OutputError, Problem, SettingsError, nearest
 from .scene import FloatArray
 
@@ -35,7 +37,7 @@ DIAGNOSTICS: Mapping[str, str] = {
     "weight": "mean of g/p of the specular estimate: 1 where the sampling density covers what the lobe sees",
     "hits": "samples of the specular estimate",
     "correction": "what the estimator added to the mean of f/p, as luminance",
-    "flag": "1 where the density misses more than 2 % of what the lobe sees or `weight` is more than 4 standard errors from 1: ratios are off",
+    "flag": "1 where the density misses 2 % of what the lobe sees or `weight` is 4 standard errors from 1: ratios are off",
 }
 """Layers that tell how far the specular estimate can be trusted; 0 where nothing glossy is seen directly."""
 
@@ -45,7 +47,8 @@ class Patches:
     """The solution on the P patches: [:, 0] is the front face, [:, 1] the back.
 
     `radiosity`, `irradiance` and the standard error of the radiosity, `stderr`: (P, 2, 3) float32, W/m2.
-    `area` (P,) in m2, `centroid` (P, 3) in metres, `normal` (P, 3) of the front.
+    `area` (P,) in m2, `centroid` (P, 3) in metres, `normal` (P, 3) of the front. `replicas`: independent
+    solves that `stderr` is the spread of.
     """
 
     radiosity: FloatArray
@@ -54,6 +57,14 @@ class Patches:
     area: FloatArray
     centroid: FloatArray
     normal: FloatArray
+    replicas: int = 0
+
+    def interval(self, level: float = 0.95) -> FloatArray:
+        """Half widths of the intervals around `radiosity` that hold its expectation with probability `level`, (P, 2, 3) W/m2.
+
+        Student's t of the replicas times `stderr`. Raises SettingsError for a level outside 0..1 or fewer than two replicas.
+        """
+        return half_width(self.stderr, level, self.replicas)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +95,14 @@ class Result:
     def stderr(self, camera: str | None = None) -> FloatArray:
         """Standard error of every pixel and channel of `image`, (h, w, 3)."""
         return self.layer("stderr", camera)
+
+    def interval(self, level: float = 0.95, camera: str | None = None) -> FloatArray:
+        """Half widths of the intervals around `image` that hold its expectation with probability `level`, (h, w, 3).
+
+        `stderr` is one standard error, from few replicas of the solve; the intervals are Student's t of so many times that. Raises
+        SettingsError for a level outside 0..1, an unknown camera, or a result of fewer than two replicas.
+        """
+        return half_width(self.stderr(camera), level, self.patches.replicas)
 
     def layer(self, name: str, camera: str | None = None) -> FloatArray:
         """One layer by name, (h, w, 3) or (h, w). Raises SettingsError for an unknown name."""
@@ -162,6 +181,15 @@ class Result:
             f'{base64.b64encode(encode_png(layers["rgb"])).decode()}"><figcaption>{html.escape(name)}</figcaption></figure>'
             for name, layers in self.pictures.items()
         )
+
+
+def half_width(stderr: FloatArray, level: float, replicas: int) -> FloatArray:
+    """Half widths of intervals from standard errors that are the spread of so many replicas, with the shape of `stderr`."""
+    from .quadrature.student import t_quantile
+
+    if replicas < 2:
+        raise SettingsError(f"the result is made of {replicas} replicas; intervals need 2 or more")
+    return np.asarray(stderr * np.float32(t_quantile(level, replicas - 1)))
 
 
 def path_of_camera(path: Path, camera: str) -> Path:

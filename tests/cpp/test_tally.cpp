@@ -32,7 +32,7 @@ void samples_of_step(uint32_t replica, uint32_t step, Part&& part) {
             tally.add_plain(area, of, f);
             break;
         case 1:
-            tally.add_look(area, of, i % 3 == 0);
+            i % 3 == 0 ? tally.add_dark_look(area, of) : tally.add_look(area, of, i % 5 == 0 ? INFINITY : size);
             break;
         default:
             tally.add(area, of, f, size * double{rng.uniform()});
@@ -76,6 +76,8 @@ void expect_equal_to_rounding(const Tally& a, const Tally& b) {
         EXPECT_EQ(x.hits, y.hits);
         EXPECT_EQ(x.looks, y.looks);
         EXPECT_EQ(x.looks_uncovered, y.looks_uncovered);
+        EXPECT_EQ(x.looks_dark, y.looks_dark);
+        near(x.looks_size, y.looks_size, y.looks_size);
     }
     EXPECT_EQ(a.replicas(), b.replicas());
 }

@@ -30,7 +30,7 @@ MATERIALS = {
 def plate(name: str, corner: Rgb, u: Rgb, v: Rgb, material: str, emission: float = 0.0) -> lumel.Mesh:
     """A parallelogram whose front is on the side of u x v."""
     c, a, b = np.array(corner), np.array(u), np.array(v)
-    return quad(name, [c, c + a, c + a + b, c + b], material, emission)
+    return quad(name, [tuple(p) for p in (c, c + a, c + a + b, c + b)], material, emission)
 
 
 def gloss(size: float = 1.0) -> lumel.Mesh:
@@ -120,6 +120,7 @@ def measure(scene: lumel.Scene, run: Run, seed: int, patches: int = 200) -> _cor
         defensive=run.defensive,
         gather=run.gather,
         first_shot=run.first_shot,
+        weight_diffuse=False,
         direct_samples=4,
         seed=seed,
         threads=2,
@@ -133,4 +134,4 @@ def measure(scene: lumel.Scene, run: Run, seed: int, patches: int = 200) -> _cor
 
 def luminance(rgb: Any) -> Floats:
     """(..., 3) -> (...)."""
-    return np.asarray(rgb, np.float64) @ LUM
+    return np.asarray(np.asarray(rgb, np.float64) @ LUM)

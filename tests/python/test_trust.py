@@ -17,7 +17,7 @@ from running import render
 GATHER = 16.0 * 2**20  # rays an area: what a render of a million shooting rays or more gathers at least, over the rays of a run
 HITS = (50, 400)  # an area, about 200
 RAYS = {"half-lit sphere": 30_000, "black back wall": 30_000, "open sky": 100_000, "lit by a mirror": 50_000}
-COVERS = {"gathering": {"gather": -1.0}, "shooting": {"gather": 0.0}}
+COVERS: dict[str, dict[str, Any]] = {"gathering": {"gather": -1.0}, "shooting": {"gather": 0.0}}
 
 
 @dataclass(frozen=True)
@@ -163,5 +163,9 @@ def test_few_flags_are_false_in_shared_scenes(shared: Path, name: str, rays: int
 @pytest.mark.parametrize("areas", ["patches", "pixels"])
 def test_looks_predict_the_variance_of_g(areas: str) -> None:
     measured = false_flags(lumel.load("lumel:cornell"), 600_000, "weighted", 0.0, areas)
+    # Choose by the looks, which know nothing of the samples, areas that were hit often enough for a spread.
+    often = (measured["weight.variance.looks"] > 0) & (measured["weight.variance.looks"] < 1)
+    looks, spread = (measured[name][often].mean() for name in ("weight.variance.looks", "weight.variance"))
+    assert often.sum() > 100
     # Even steps through the sources make the true variance somewhat less than that of independent rays.
-    assert measured["weight.variance.looks"].mean() == pytest.approx(measured["weight.variance"].mean(), rel=0.2)
+    assert spread == pytest.approx(looks, rel=0.25)

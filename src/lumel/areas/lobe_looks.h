@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "lumel/areas/tally.h"
 #include "lumel/math/frame.h"
 #include "lumel/scene/ggx.h"
 #include "lumel/scene/surface.h"
@@ -30,9 +31,14 @@ public:
     }
     void see(const Sight& sight) { sight.see(std::span(looks_).first(size_), std::span(seen_).first(size_)); }
 
-    /// What a transfer of the step along a look would add to G; infinite where none can come.
-    double size_of_transfer(uint32_t look) const {
-        return double{lum(drawn_[look].scatter)} / (double{seen_[look].density} * double{drawn_[look].cos_per_density});
+    /// Count all looks for an area of `tally`: what a transfer of the step along each would add to G.
+    void count(Tally& tally, size_t area, const Step& step) const {
+        for (uint32_t i = 0; i < size_; ++i) {
+            if (seen_[i].dark)
+                tally.add_dark_look(area, step);
+            else
+                tally.add_look(area, step, double{lum(drawn_[i].scatter)} / (double{seen_[i].density} * double{drawn_[i].cos_per_density}));
+        }
     }
     /// Hand f/q and g/q of every look to `add`, with q = n_s p + n_g p_g for `gather` = n_g looks in all. To n_s p belongs `density_aw`,
     /// that of bundles, beside what a look has seen.

@@ -104,7 +104,7 @@ void PatchAreas::look(const Step& step, uint32_t area, uint32_t eye) {
             looks.samples(step.bundle_density_w() / size, step.gather / size,
                           [&](Rgb64 f, double g) { tally_.add(at(eye, area), step, f, g); });
         else
-            for (uint32_t i = 0; i < looks.size(); ++i) tally_.add_look(at(eye, area), step, looks.size_of_transfer(i));
+            looks.count(tally_, at(eye, area), step);
     };
     look_around(gathers ? step.gather_count(stream) : step.look_count(tally_.size(), stream), step.sight, draw, use);
 }

@@ -153,7 +153,7 @@ void PixelAreas::look(const Step& step, uint32_t camera, uint32_t pixel) {
         if (gathers)
             looks.samples(step.bundle_density_w(), step.gather, [&](Rgb64 f, double g) { tally_.add(area, step, f, g); });
         else
-            for (uint32_t i = 0; i < looks.size(); ++i) tally_.add_look(area, step, looks.size_of_transfer(i));
+            looks.count(tally_, area, step);
     };
     look_around(gathers ? step.gather_count(stream) : step.look_count(tally_.size(), stream), step.sight, draw, use);
 }

@@ -35,6 +35,7 @@ Samples Tally::samples(size_t area) const {
               .hits = m.hits,
               .replicas = replicas_,
               .looks = m.looks,
+              .looks_dark = m.looks_dark,
               .looks_uncovered = m.looks_uncovered,
               .looks_size = rays_ > 0 ? m.looks_size / rays_ : 0};
     if (replicas_ < 2) return s;
@@ -58,7 +59,7 @@ Samples pooled(const Samples& a, const Samples& b) {
     Samples s = a;
     s.f += b.f, s.plain += b.plain, s.g += b.g, s.hits += b.hits, s.fg += b.fg, s.gg += b.gg;
     s.replicas = std::max(a.replicas, b.replicas);
-    s.looks += b.looks, s.looks_uncovered += b.looks_uncovered, s.looks_size += b.looks_size;
+    s.looks += b.looks, s.looks_dark += b.looks_dark, s.looks_uncovered += b.looks_uncovered, s.looks_size += b.looks_size;
     s.var_f += b.var_f, s.cov_fg += b.cov_fg, s.var_plain += b.var_plain, s.var_g += b.var_g;
     return s;
 }

@@ -61,7 +61,12 @@ public:
         current_[area].plain += f * step.weight;
         ++current_[area].hits;
     }
-    /// Count a look along the lobe of an area; `size` is what a transfer along it would add to its density, infinite where none can come.
+    /// Count a look along the lobe of an area from a point that no light can reach.
+    void add_dark_look(size_t area, const Step& step) {
+        const auto rays = static_cast<double>(step.transfers.rays);
+        closed_[area].looks += rays, closed_[area].looks_dark += rays;
+    }
+    /// Count another look; `size` is what a transfer along it would add to the density of the area, infinite where none can come.
     void add_look(size_t area, const Step& step, double size) {
         const auto rays = static_cast<double>(step.transfers.rays);
         Moments& m = closed_[area];
@@ -88,13 +93,13 @@ private:
     };
     struct Moments {
         Rgb64 f, plain, ff, fg, plain2, single_fg;
-        double g = 0, gg = 0, single_gg = 0, looks = 0, looks_uncovered = 0, looks_size = 0;
+        double g = 0, gg = 0, single_gg = 0, looks = 0, looks_dark = 0, looks_uncovered = 0, looks_size = 0;
         uint64_t hits = 0;
 
         Moments& operator+=(const Moments& o) {
             f += o.f, plain += o.plain, ff += o.ff, fg += o.fg, plain2 += o.plain2, single_fg += o.single_fg;
-            g += o.g, gg += o.gg, single_gg += o.single_gg, looks += o.looks, looks_uncovered += o.looks_uncovered,
-                looks_size += o.looks_size;
+            g += o.g, gg += o.gg, single_gg += o.single_gg, looks += o.looks, looks_dark += o.looks_dark,
+                looks_uncovered += o.looks_uncovered, looks_size += o.looks_size;
             hits += o.hits;
             return *this;
         }

@@ -20,11 +20,14 @@ struct Samples {
     double gg = 0;      ///< and of the square of what it adds to G: moments of single samples, to find coefficients with
     uint64_t hits = 0;  ///< samples that are not 0
     uint32_t replicas = 0;  ///< that the means and their covariances are made of
-    double looks = 0, looks_uncovered = 0;  ///< looks along the lobe, and those of them that no transfer could have come along
-    double looks_size = 0;                  ///< sum over the others of what a transfer along them would have added to G
+    double looks = 0, looks_dark = 0;  ///< looks along the lobe, and those of them from points that no light can reach,
+    double looks_uncovered = 0;        ///< those of the others that no transfer could have come along, and
+    double looks_size = 0;             ///< the sum over the rest of what a transfer along them would have added to G
 
-    /// Share of the target density that p does not cover, as far as looks tell, 0..1.
-    double uncovered() const { return looks > 0 ? looks_uncovered / looks : 0; }
+    /// Share of the target density that p does not cover, as far as looks tell, 0..1; of the part that light can reach.
+    double uncovered() const { return looks > looks_dark ? looks_uncovered / (looks - looks_dark) : 0; }
+    /// Share of the target density at points that no light can reach, 0..1.
+    double dark() const { return looks > 0 ? looks_dark / looks : 0; }
     /// Variance that G has if p covers g, as far as looks tell: the integral of g^2/(n p) is the mean of g/(n p) over directions by g.
     double var_g_of_looks() const { return looks > looks_uncovered ? looks_size / (looks - looks_uncovered) : 0; }
 };

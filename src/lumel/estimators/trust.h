@@ -39,7 +39,9 @@ private:
     /// is taken where that is 1: few hits that made it small made Var G small in proportion.
     static bool is_off(const Samples& s) {
         if (!(s.var_g > 0) || s.replicas < 2) return false;
-        const double spread = s.var_g * std::max(1.0, 1 / s.g), difference2 = (s.g - 1) * (s.g - 1);
+        const double spread = s.var_g * std::max(1.0, 1 / s.g);
+        // Where light cannot reach part of an area, G falls short of 1 by that.
+        const double difference = std::max({0.0, s.g - 1, 1 - s.dark() - s.g}), difference2 = difference * difference;
         if (difference2 <= kErrors * kErrors * s.var_g_of_looks()) return false;
         // The spread of few replicas follows Student's law; Wallace (1959) gives its normal equivalent.
         const double freedom = s.replicas - 1, t2 = difference2 / spread;

@@ -16,6 +16,7 @@ struct Look {
 struct Seen {
     Rgb radiance;       ///< W/(m2 sr)
     float density = 0;  ///< n p(x, wi) / cos(theta_x): expected transfers of one step per m2 and sr across the direction
+    bool dark = false;  ///< no light can come to where the look ended, nor to where it began: a point under a box, say
 };
 
 /// One step of a transport, as seen by those who gather.

@@ -61,7 +61,9 @@ Seen Shot::see(Ray ray) const {
         if (!(cos > 1e-6f)) return {};
         const SideSource::Emission e = SideSource(scene, emitters, side, rays_per_watt).evaluate(y.shading, w);
         const Rgb radiance = mirrors > 0 ? e.radiance + e.behind_mirror : e.radiance;
-        return {radiance * tint, (e.pdf_aw / cos + defensive_density(side)) * survive};
+        const float density = (e.pdf_aw / cos + defensive_density(side)) * survive;
+        // Light goes both ways, so what sees a side that none can reach is out of its reach, too.
+        return {radiance * tint, density, !(density > 0) && defensive.by_area.size() > 0 && !(defensive.by_area.weight(side) > 0)};
     }
     return {};
 }
