@@ -19,7 +19,7 @@ from measured import Array, Subject, Truth, resampled, truth
 from scenes import machine
 
 HITS = 10  # mean hits of an area in a replica
-REPLICAS = (2, 5, 10, 20, 40)  # in the sums of an estimate
+REPLICAS = (2, 5, 10, 20)  # in the sums of an estimate
 ESTIMATORS = ("weighted", "regression", "auto")
 PATCHES = 690
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -54,7 +54,7 @@ def biases(subject: Subject, against: Truth, rays: int, seed: int) -> Array:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=2000)
-    parser.add_argument("--alpha", type=float, default=0.3, help="roughness of the floor")
+    parser.add_argument("--alpha", type=float, default=0.18, help="roughness of the floor")
     parser.add_argument("--cache", type=Path, default=Path("~/.cache/lumel").expanduser(), help="folder for truths")
     arguments = parser.parse_args()
     print(machine(), end="\n\n", flush=True)
