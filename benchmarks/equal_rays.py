@@ -1,6 +1,6 @@
 """What weighting is worth at equal rays, without gathering: mean square errors over the glossy patches in view, as Markdown tables.
 
-python benchmarks/equal_rays.py [--seeds N] [--rays N ...] [--solve N ...] [--cache DIR] [SCENE ...]
+python benchmarks/equal_rays.py [--seeds N] [--rays N ...] [--solve N ...] [--faint] [--cache DIR] [SCENE ...]
 
 Every run is one replica of steps of a million rays, shot from a solve of --solve rays (0: a quarter of its rays). `classical` needs no
 defensive rays and shoots none (`own rays`); the other columns share one set of samples, with them. Intervals: bootstrap over seeds,
@@ -11,15 +11,24 @@ the patches by hits into quarters, which tells where the ratio pays.
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from lobes import FAINT
 from measured import Array, Subject, Truth, resampled, truth
 from scenes import machine
 
 ESTIMATORS = ("classical", "weighted", "auto")
 STEP = 1_000_000  # rays
 QUARTERS = 4
+
+
+def faint(subject: Subject) -> Subject:
+    """The same scene with gloss that sends next to nothing on: errors scale, and no lobe is a bright source."""
+    scene = subject.scene
+    dim = {name: replace(m, specular=tuple(FAINT * s for s in m.specular)) for name, m in scene.materials.items()}
+    return replace(subject, scene=replace(scene, materials=dim))
 
 
 def run(subject: Subject, against: Truth, rays: int, solve: int, seed: int) -> dict[str, Array]:
@@ -48,6 +57,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--rays", type=int, nargs="+", default=[100_000, 1_000_000, 10_000_000])
     parser.add_argument("--solve", type=int, nargs="+", default=[0, 20_000_000], help="rays of the solve; 0: a quarter of the others")
+    parser.add_argument("--faint", action="store_true", help=f"multiply specular reflectances by {FAINT:g}: no gloss lights gloss")
     parser.add_argument("--cache", type=Path, default=Path("~/.cache/lumel").expanduser(), help="folder for truths")
     parser.add_argument("names", nargs="*", default=["bust", "cornell_glossy"], metavar="SCENE")
     arguments = parser.parse_args()
@@ -57,7 +67,7 @@ def main() -> None:
     print("| scene | rays, M | solve, M | hits | n | own rays | classical | weighted | auto | own rays / weighted | own rays / auto |")
     print("|---" * 11 + "|")
     for name in arguments.names:
-        subject = Subject.named(name)
+        subject = faint(Subject.named(name)) if arguments.faint else Subject.named(name)
         against = truth(subject, arguments.cache)
         for solve in arguments.solve:
             for rays in arguments.rays:
