@@ -3,8 +3,8 @@
 python benchmarks/equal_rays.py [--seeds N] [--rays N ...] [--solve N ...] [--faint] [--cache DIR] [SCENE ...]
 
 Every run is one replica of steps of a million rays, shot from a solve of --solve rays (0: a quarter of its rays). `classical` needs no
-defensive rays and shoots none (`own rays`); the other columns share one set of samples, with them. Intervals: bootstrap over seeds,
-95 %. `hits` is the median over patches; `n` the median of the effective number of hits, (sum g)^2 / sum g^2. The second table divides
+defensive rays and shoots none (`own rays`); the other columns share one set of samples, with them. Errors are divided by the square of
+the mean of the truth, whose own noise is subtracted. Intervals: bootstrap over seeds, 95 %. `hits` is the median over patches; `n` the median of the effective number of hits, (sum g)^2 / sum g^2. The second table divides
 the patches by hits into quarters, which tells where the ratio pays.
 """
 
@@ -73,10 +73,11 @@ def main() -> None:
             for rays in arguments.rays:
                 runs = [run(subject, against, rays, solve, seed) for seed in range(arguments.seeds)]
                 error = {e: np.array([r[e] - against.noise() for r in runs]) for e in columns}  # seed, area
-                mse = {e: error[e].mean(axis=1) for e in columns}
+                mse = {e: error[e].mean(axis=1) / against.value.mean() ** 2 for e in columns}
                 hits = np.mean([r["hits"] for r in runs], axis=0)
                 effective = np.median(np.mean([r["effective"] for r in runs], axis=0))
-                head = f"| `{name}` | {rays / 1e6:g} | {(solve or rays // 4) / 1e6:g} |"
+                solved = "given" if subject.given else f"{(solve or rays // 4) / 1e6:g}"
+                head = f"| `{name}` | {rays / 1e6:g} | {solved} |"
                 cells = [f"{mse[e].mean():.3g}" for e in columns]
                 cells += [gain(mse["own rays"], mse[e]) for e in ("weighted", "auto")]
                 print(f"{head} {np.median(hits):.0f} | {effective:.1f} | " + " | ".join(cells) + " |", flush=True)
