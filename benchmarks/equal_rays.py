@@ -4,8 +4,10 @@ python benchmarks/equal_rays.py [--seeds N] [--rays N ...] [--solve N ...] [--fa
 
 Every run is one replica of steps of a million rays, shot from a solve of --solve rays (0: a quarter of its rays). `classical` needs no
 defensive rays and shoots none (`own rays`); the other columns share one set of samples, with them. Errors are divided by the square of
-the mean of the truth, whose own noise is subtracted. Intervals: bootstrap over seeds, 95 %. `hits` is the median over patches; `n` the median of the effective number of hits, (sum g)^2 / sum g^2. The second table divides
-the patches by hits into quarters, which tells where the ratio pays.
+the mean of the truth, whose own noise is subtracted. Intervals: bootstrap over seeds, 95 %. `hits` is the median over patches; `n` the
+median of the effective number of hits, (sum g)^2 / sum g^2. The second table tells where the error is: the share that the worst patches
+of each run hold, the ratio among the others, and the ratios in quarters of the patches, from those with the fewest hits to those with
+the most.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from scenes import machine
 ESTIMATORS = ("classical", "weighted", "auto")
 STEP = 1_000_000  # rays
 QUARTERS = 4
+WORST = 0.01  # of the patches
 
 
 def faint(subject: Subject) -> Subject:
@@ -45,6 +48,13 @@ def run(subject: Subject, against: Truth, rays: int, solve: int, seed: int) -> d
     return {**found, "hits": np.where(own, areas["hits"], 0), "effective": effective}
 
 
+def worst(error: Array) -> tuple[Array, Array]:
+    """By seed: mean error without that of the worst patches, and their share of it all. `error` is by seed and area."""
+    ordered = np.sort(error, axis=1)
+    rest = ordered[:, : round(error.shape[1] * (1 - WORST))].sum(axis=1)
+    return rest / error.shape[1], 1 - rest / ordered.sum(axis=1)
+
+
 def gain(classical: Array, other: Array) -> str:
     """How many times the mean square error of classical is larger, with its interval; arrays by seed."""
     draws = resampled(len(classical))
@@ -63,7 +73,7 @@ def main() -> None:
     arguments = parser.parse_args()
     print(machine(), end="\n\n", flush=True)
     columns = ("own rays", *ESTIMATORS)
-    quarters = []
+    where: list[str] = []
     print("| scene | rays, M | solve, M | hits | n | own rays | classical | weighted | auto | own rays / weighted | own rays / auto |")
     print("|---" * 11 + "|")
     for name in arguments.names:
@@ -81,11 +91,16 @@ def main() -> None:
                 cells = [f"{mse[e].mean():.3g}" for e in columns]
                 cells += [gain(mse["own rays"], mse[e]) for e in ("weighted", "auto")]
                 print(f"{head} {np.median(hits):.0f} | {effective:.1f} | " + " | ".join(cells) + " |", flush=True)
+                (others, share), (others_w, share_w) = (worst(error[e]) for e in ("own rays", "weighted"))
+                tail = f"{share.mean():.0%} | {share_w.mean():.0%} | {gain(others, others_w)}"
                 parts = np.array_split(np.argsort(hits), QUARTERS)
-                shown = [f"{np.median(hits[p]):.0f}: {error['own rays'][:, p].mean() / error['weighted'][:, p].mean():.1f}" for p in parts]
-                quarters.append(f"{head} " + " | ".join(shown) + " |")
-    print("\n| scene | rays, M | solve, M | fewest hits: own rays / weighted | | | most hits |\n" + "|---" * 7 + "|")
-    print("\n".join(quarters))
+                shown = [f"{error['own rays'][:, p].mean() / error['weighted'][:, p].mean():.1f}" for p in parts]
+                where.append(f"{head} {tail} | " + " | ".join(shown) + " |")
+    print(
+        f"\n| scene | rays, M | solve, M | worst {WORST:.0%}: own rays | weighted | ratio among the others | fewest hits | | | most hits |"
+    )
+    print("|---" * 10 + "|")
+    print("\n".join(where))
 
 
 if __name__ == "__main__":
