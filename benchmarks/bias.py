@@ -13,10 +13,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import lobes
 import numpy as np
 from measured import Array, Subject, Truth, resampled, truth
 from scenes import machine
+
+import lobes
 
 HITS = 10  # mean hits of an area in a replica
 ESTIMATORS = ("weighted", "regression", "auto")

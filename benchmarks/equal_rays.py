@@ -17,9 +17,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from lobes import FAINT
 from measured import Array, Subject, Truth, resampled, truth
 from scenes import machine
+
+from lobes import FAINT
 
 ESTIMATORS = ("classical", "weighted", "auto")
 STEP = 1_000_000  # rays

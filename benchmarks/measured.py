@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-import lobes
 import numpy as np
 import numpy.typing as npt
 from scenes import scene_file
 
+import lobes
 import lumel
 from lumel import _core
 from lumel.core import camera_to_core, to_core
