@@ -78,7 +78,7 @@ def main() -> None:
     print("| scene | rays, M | solve, M | hits | n | own rays | classical | weighted | auto | own rays / weighted | own rays / auto |")
     print("|---" * 11 + "|")
     for name in arguments.names:
-        subject = faint(Subject.named(name)) if arguments.faint else Subject.named(name)
+        subject = faint(Subject.named(name, arguments.cache)) if arguments.faint else Subject.named(name, arguments.cache)
         against = truth(subject, arguments.cache)
         for solve in arguments.solve:
             for rays in arguments.rays:

@@ -70,7 +70,7 @@ def main() -> None:
     arguments = parser.parse_args()
     print(machine(), end="\n\n", flush=True)
     for name in arguments.names:
-        subject = Subject.named(name)
+        subject = Subject.named(name, arguments.cache)
         against = truth(subject, arguments.cache)
         materials = subject.materials(against.index)
         groups = {"all": np.ones(len(materials), bool)} | {m: materials == m for m in np.unique(materials)}

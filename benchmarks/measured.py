@@ -36,9 +36,9 @@ class Subject:
     given: bool = False  # the light of surfaces is what they emit: nothing to solve, one transfer to measure
 
     @staticmethod
-    def named(name: str) -> Subject:
-        """`smooth`, `spot`, a reference scene, or a file."""
-        return Subject(GIVEN[name](), GIVEN_PATCHES, given=True) if name in GIVEN else Subject(lumel.load(scene_file(name)))
+    def named(name: str, out: Path) -> Subject:
+        """`smooth`, `spot`, a reference scene, a generated one, which is written to `out`, or a file."""
+        return Subject(GIVEN[name](), GIVEN_PATCHES, given=True) if name in GIVEN else Subject(lumel.load(scene_file(name, out)))
 
     @cached_property
     def core(self) -> _core.Scene:
@@ -54,13 +54,14 @@ class Subject:
             estimator="auto",
             defensive=defensive,
             gather=gather,
+            weight_diffuse=None,
             first_shot=not self.given,
             direct_samples=DIRECT_SAMPLES,
             seed=seed,
             threads=threads or len(os.sched_getaffinity(0)),
         )
 
-    def materials(self, areas: npt.NDArray[np.uint32]) -> npt.NDArray[np.str_]:
+    def materials(self, areas: npt.NDArray[np.intp]) -> npt.NDArray[np.str_]:
         """Name of the material of each area."""
         of_patch = self.core.patch_geometry()[:, 7].astype(np.intp)
         return np.array(list(self.scene.materials))[of_patch[areas % self.core.patches]]
@@ -76,7 +77,7 @@ class Subject:
 
 @dataclass
 class Truth:
-    index: npt.NDArray[np.uint32]  # of the areas
+    index: npt.NDArray[np.intp]  # of the areas
     value: Array  # (areas, 3), W/(m2 sr)
     variance: Array  # of it
 
@@ -108,9 +109,9 @@ def truth(subject: Subject, cache: Path, rays: int = 1 << 21) -> Truth:
         print(f"truth: classical / weighted = {classical / weighted:.5f} +- {sigma / weighted:.5f}", flush=True)
         best = min(found.values(), key=lambda f: float(f["variance"].sum()))
         cache.mkdir(parents=True, exist_ok=True)
-        np.savez(path, index=best["index"], value=best["value"], variance=best["variance"])
+        np.savez(path, index=best["index"].astype(np.intp), value=best["value"], variance=best["variance"])
     with np.load(path) as kept:
-        return Truth(kept["index"], kept["value"], kept["variance"])
+        return Truth(kept["index"].astype(np.intp), kept["value"], kept["variance"])
 
 
 def resampled(runs: int, seed: int = 1) -> npt.NDArray[np.intp]:
