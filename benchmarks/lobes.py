@@ -1,5 +1,6 @@
 """Two scenes that pull estimators in opposite directions: a closed box of smooth light, and the same box where one small bright spot
-lights all. The light of the walls is given, and they reflect nothing, so that there is one transfer to measure and no state to solve."""
+lights all. The light of the walls is given, they reflect nothing and gloss next to nothing, so that there is one transfer to measure and
+no state to solve."""
 
 from __future__ import annotations
 
@@ -13,6 +14,7 @@ from lumel.scenes.parts import box, mesh, plate, room
 
 TILES = 8  # of emission along a side of a wall
 HALF = 1.25  # m, of the box
+FAINT = 1e-6  # reflectance of gloss: what it sends on does not count, and errors are relative to what it sends
 SPOT = 300.0  # times brighter than the rest
 
 Radiance = Callable[[str, np.ndarray], Rgb]
@@ -35,14 +37,12 @@ def spot_light(wall: str, at: np.ndarray) -> Rgb:
     return (level, level, level)
 
 
-def lobes(light: Radiance) -> Scene:
-    """A glossy bust on a glossy plinth (alpha 0.18, about cos^60) amid black walls that emit `light`: about 4,000 glossy patches."""
-    materials = (Material("gloss", specular=(0.9, 0.9, 0.9), alpha=0.18), Material("wall"))
-    meshes: list[Mesh] = [
-        mesh("bust", bust((0.0, 0.7, 0.0), height=1.05, turn=14.0), "gloss"),
-        mesh("plinth", box((0, 0.345, 0), (0.3, 0.355, 0.3)), "gloss"),
-    ]
+def walls(light: Radiance, left_out: str = "") -> list[Mesh]:
+    """The black walls of the box, in tiles that emit `light`."""
+    meshes = []
     for name, whole in room(HALF, 2 * HALF, HALF):
+        if name == left_out:
+            continue
         vertices, triangles, _ = whole.arrays()
         low, high = vertices.min(axis=0), vertices.max(axis=0)
         first, second = (axis for axis in range(3) if high[axis] > low[axis])
@@ -56,6 +56,18 @@ def lobes(light: Radiance) -> Scene:
                 center = low + (2 * i + 1) * u + (2 * j + 1) * v
                 tile = plate(tuple(center), tuple(u), tuple(v))
                 meshes.append(mesh(f"{name} {i} {j}", tile, "wall", light(name, center - (0, HALF, 0))))
+    return meshes
+
+
+def lobes(light: Radiance) -> Scene:
+    """A glossy bust on a glossy plinth (alpha 0.18, about cos^60) amid walls that emit `light`: of 16,500 patches about 6,000 are
+    glossy and in view."""
+    materials = (Material("gloss", specular=(FAINT, FAINT, FAINT), alpha=0.18), Material("wall"))
+    meshes = [
+        mesh("bust", bust((0.0, 0.7, 0.0), height=1.05, turn=14.0), "gloss"),
+        mesh("plinth", box((0, 0.345, 0), (0.3, 0.355, 0.3)), "gloss"),
+        *walls(light),
+    ]
     camera = Camera.look_at("main", (0.4, 1.5, 1.2), (0.0, 1.1, 0.0), fov=62, width=320, height=240)
     return Scene(tuple(meshes), {m.name: m for m in materials}, cameras=(camera,), source="lobes")
 
@@ -68,3 +80,11 @@ def smooth() -> Scene:
 def spot() -> Scene:
     """One bright spot: the trap of plain ratios."""
     return lobes(spot_light)
+
+
+def glossy_floor(alpha: float) -> Scene:
+    """Smooth light over a glossy floor: few areas, and each of them gets many hits."""
+    floor = mesh("floor", dict(room(HALF, 2 * HALF, HALF))["floor"], "gloss")
+    materials = (Material("gloss", specular=(FAINT, FAINT, FAINT), alpha=alpha), Material("wall"))
+    camera = Camera.look_at("main", (0.0, 2.0, 1.2), (0.0, 0.0, 0.0), fov=100, width=64, height=64)
+    return Scene((floor, *walls(smooth_light, left_out="floor")), {m.name: m for m in materials}, cameras=(camera,), source="glossy floor")
