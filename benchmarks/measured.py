@@ -96,7 +96,8 @@ REPLICAS, GATHERED = 8, 256
 
 
 def truth(subject: Subject, cache: Path, rays: int = 1 << 21) -> Truth:
-    """Many gathering rays for each area: GATHERED in each of the steps of REPLICAS replicas. Kept in the folder `cache`."""
+    """Many gathering rays for each area: GATHERED for every 2^20 shooting rays of REPLICAS replicas. Kept in the folder `cache`: empty it
+    when the core changes what light is."""
     key = hashlib.sha256(f"{scene_hash(subject.scene)} {subject.patches} {subject.given} {rays} {REPLICAS} {GATHERED}".encode())
     path = cache / f"{key.hexdigest()[:20]}.npz"
     if not path.exists():
