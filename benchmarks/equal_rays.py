@@ -1,6 +1,6 @@
 """What weighting is worth at equal rays, without gathering: mean square errors over the glossy patches in view, as Markdown tables.
 
-python benchmarks/equal_rays.py [--seeds N] [--rays N ...] [--solve N ...] [--faint] [--cache DIR] [SCENE ...]
+python benchmarks/equal_rays.py [SCENE ...] [--seeds N] [--rays N ...] [--solve N ...] [--faint] [--cache DIR]
 
 Every run is one replica of steps of a million rays, shot from a solve of --solve rays (0: a quarter of its rays). `classical` needs no
 defensive rays and shoots none (`own rays`); the other columns share one set of samples, with them. Errors are divided by the square of
