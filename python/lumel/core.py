@@ -49,7 +49,7 @@ def to_core(scene: Scene, patches: int | None = None) -> tuple[_core.Scene, tupl
     if flat := [
         _at(scene, mesh.name, f"lamp '{mesh.name}' has no area, so its light cannot be defined")
         for mesh, area in zip(scene.meshes, core.lamp_areas, strict=True)
-        if max(mesh.emission) > 0 and not area > 0
+        if np.max(_floats(mesh.emission)) > 0 and not area > 0  # as a float, which the core takes
     ]:
         raise SceneError(flat)
     return core, tuple(_notes(core))

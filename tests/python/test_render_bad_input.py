@@ -145,7 +145,7 @@ def test_bad_scenes_are_refused_with_their_place(refused: Refused, file: str, sa
         ("--exposure nan", ["--exposure must be -100 to 100 EV"]),
         ("--camera back", ["unknown camera 'back'; allowed: all, main"]),
         ("--layers direkt", ["unknown layer 'direkt'; did you mean 'direct'?"]),
-        ("--transport bundles", ["unknown transport 'bundles'; allowed: rays, walk"]),
+        ("--transport bundels", ["unknown transport 'bundels'; did you mean 'bundles'?"]),
         ("--estimator weigthed", ["unknown estimator 'weigthed'; did you mean 'weighted'? allowed: auto, classical"]),
         ("--areas lumels", ["unknown areas 'lumels'", "allowed: patches, pixels"]),
         ("--quality best", ["unknown quality 'best'; allowed: draft, high, medium"]),
