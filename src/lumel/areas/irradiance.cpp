@@ -61,6 +61,13 @@ Samples IrradianceAreas::samples(uint32_t side) const {
     return scaled(tally_.samples(side), per_area, per_area);
 }
 
+double IrradianceAreas::mean_hits() const {
+    uint64_t hits = 0, sides = 0;
+    for (uint32_t side = 0; side < scene_->sides(); ++side)
+        if (const uint64_t here = tally_.samples(side).hits; here > 0) hits += here, ++sides;
+    return sides > 0 ? static_cast<double>(hits) / static_cast<double>(sides) : 0;
+}
+
 Samples IrradianceAreas::around(uint32_t position) const {
     const SideOrder& order = scene_->side_order();
     Samples sum;
@@ -84,7 +91,7 @@ SideField IrradianceAreas::field(const Estimator& estimator) const {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, order.size(), kSides), [&](const auto& range) {
         for (uint32_t position = range.begin(); position < range.end(); ++position) {
             const uint32_t side = order.side(position);
-            const Estimate e = estimator.estimate(samples(side), around(position));
+            const Estimate e = estimator.estimate_to_average(samples(side), around(position));
             field.mean[side] = e.value.to_float(), field.variance[side] = e.variance.to_float();
         }
     });

@@ -33,7 +33,8 @@ private:
 
 /// The irradiance of every side with a density to weigh it by (Bekaert, Sbert, Willems 2000): g = cos(theta_i) / pi over the side. With
 ///     f/p = L_in cos(theta_i) / (A p)      g/p = cos(theta_i) / (pi A p)
-/// the same estimators apply as to gloss. It pays where sides have few hits, and only where p covers the whole hemisphere.
+/// the same estimators apply as to gloss. It asks for a p that covers
+/// the whole hemisphere.
 class IrradianceAreas {
 public:
     explicit IrradianceAreas(const Scene& scene) : scene_(&scene), tally_(scene.sides()) {}
@@ -43,6 +44,8 @@ public:
     void close_replica(double weight, double rays) { tally_.close_replica(weight, rays); }
     /// Samples of one side.
     Samples samples(uint32_t side) const;
+    /// Samples of a side that has any, in the mean.
+    double mean_hits() const;
     /// Estimate all sides; neighbours are those next to a side in the scene's order of sides.
     SideField field(const Estimator& estimator) const;
 

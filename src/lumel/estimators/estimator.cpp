@@ -12,10 +12,11 @@ namespace lumel {
 namespace {
 
 constexpr std::array kEstimators{
-    Estimator{"classical", "mean of f/p; unbiased", classical},
-    Estimator{"weighted", "ratio of the means of f/p and g/p; consistent, far less noise on gloss", weighted},
-    Estimator{"regression", "f/p corrected by g/p with the best coefficient of the area's own samples; consistent", regression},
-    Estimator{"auto", "corrected by g/p as the neighbours of each area recommend; consistent, never far from the best", automatic},
+    Estimator{"classical", "mean of f/p; unbiased", classical, classical},
+    Estimator{"weighted", "ratio of the means of f/p and g/p; consistent, far less noise on gloss", weighted, weighted},
+    Estimator{"regression", "f/p corrected by g/p with the best coefficient of the area's own samples; consistent", regression, regression},
+    Estimator{"auto", "corrected by g/p as the neighbours of each area recommend; consistent, never far from the best", automatic,
+              automatic_to_average},
 };
 
 }  // namespace

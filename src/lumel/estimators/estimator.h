@@ -43,8 +43,10 @@ struct Estimator {
     std::string_view name;
     std::string_view summary;
     Estimate (*rule)(const Samples& own, const Samples& around);
+    Estimate (*rule_to_average)(const Samples& own, const Samples& around);  ///< for areas whose estimates are averaged again
 
     Estimate estimate(const Samples& own, const Samples& around) const { return rule(own, around); }
+    Estimate estimate_to_average(const Samples& own, const Samples& around) const { return rule_to_average(own, around); }
     /// For an area that has no neighbours.
     Estimate estimate(const Samples& own) const { return rule(own, {}); }
 };

@@ -40,8 +40,11 @@ Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& 
 }
 
 SideField Session::indirect() const {
+    // Of fewer hits than these the coefficients of `auto` are noise, and its correction costs more than it brings.
+    constexpr double kFewestHits = 24;
     const IrradianceAreas* weighed = solver_->irradiance();
-    return weighed ? weighed->field(*config_.estimator) : solver_->indirect();
+    const bool pays = weighed && (config_.weight_diffuse.has_value() || weighed->mean_hits() >= kFewestHits);
+    return pays ? weighed->field(*config_.estimator) : solver_->indirect();
 }
 
 void Session::reconstruct() {
