@@ -32,7 +32,7 @@ SideOrder::SideOrder(const Scene& scene) : order_(scene.sides()), starts_run_(sc
     }
     // Patches are numbered along a curve through the scene already.
     std::iota(order_.begin(), order_.end(), 0u);
-    std::stable_sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) { return kind[a] < kind[b]; });
+    std::sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) { return kind[a] != kind[b] ? kind[a] < kind[b] : a < b; });
     for (uint32_t i = 0; i < size(); ++i) {
         const uint32_t a = i > 0 ? order_[i - 1] : 0, b = order_[i];
         starts_run_[i] = i == 0 || kind[a] != kind[b] || length(centre[a] - centre[b]) > kFarthest * scene.radius() ||
