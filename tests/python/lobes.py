@@ -106,11 +106,12 @@ class Run:
     transport: str = "rays"
     areas: str = "patches"
     first_shot: bool = False
+    patches: int = 200
 
 
-def measure(scene: lumel.Scene, run: Run, seed: int, patches: int = 200) -> _core.Session:
+def measure(scene: lumel.Scene, run: Run, seed: int) -> _core.Session:
     """A session after `run.replicas` replicas of one step each."""
-    core, _ = to_core(scene, patches)
+    core, _ = to_core(scene, run.patches)
     session = _core.Session(
         scene=core,
         cameras=[camera_to_core(scene.cameras[0])],

@@ -28,9 +28,10 @@ class Truth:
     error: Floats
 
 
-def gathered(scene: lumel.Scene, **settings: Any) -> Truth:
-    """Found by so much gathering that shooting hardly counts, without a ratio."""
-    areas = measure(scene, Run(rays=400_000, replicas=16, estimator="classical", gather=65_536, **settings), 999).areas(0, "classical")
+def gathered(scene: lumel.Scene, rays: int = 400_000, **settings: Any) -> Truth:
+    """Found by so much gathering that shooting hardly counts, without a ratio. `rays` make the state that is looked at."""
+    gather = 65_536 * 400_000 / rays
+    areas = measure(scene, Run(rays=rays, replicas=16, estimator="classical", gather=gather, **settings), 999).areas(0, "classical")
     return Truth(luminance(areas["value"]), np.sqrt(luminance(areas["variance"])))
 
 
@@ -74,7 +75,7 @@ def test_auto_is_right_where_lobes_see_the_dark_over_40_seeds(name: str, cover: 
 
 
 def courtyard(shared: Path) -> lumel.Scene:
-    """The scene in few pixels."""
+    """The scene in few pixels. It takes many patches: the direct light of a large one is noise that all pixels share."""
     scene = lumel.load(shared / "scenes/courtyard.xml")
     return replace(scene, cameras=(scene.cameras[0].with_size(24, 18),))
 
@@ -83,8 +84,8 @@ def courtyard(shared: Path) -> lumel.Scene:
 @pytest.mark.parametrize("cover", COVERS)
 def test_auto_is_right_in_the_courtyard(shared: Path, cover: str) -> None:
     scene = courtyard(shared)
-    whole: dict[str, Any] = {"areas": "pixels", "first_shot": True}
-    truth = gathered(scene, **whole)
+    whole: dict[str, Any] = {"areas": "pixels", "first_shot": True, "patches": 10_000}
+    truth = gathered(scene, rays=4_000_000, **whole)
     assert_right(scene, truth, Run(rays=1_000_000, **whole, **COVERS[cover]), seeds=40)
 
 
@@ -110,8 +111,10 @@ def test_ratios_over_part_of_the_lobe_are_flagged(name: str) -> None:
 @pytest.mark.slow
 def test_ratios_over_part_of_the_lobe_are_flagged_in_the_courtyard(shared: Path) -> None:
     scene = courtyard(shared)
-    whole: dict[str, Any] = {"areas": "pixels", "first_shot": True}
-    assert_flagged(scene, gathered(scene, **whole), Run(2_000_000, 16, "weighted", defensive=0.0, gather=0.0, **whole), seeds=8)
+    whole: dict[str, Any] = {"areas": "pixels", "first_shot": True, "patches": 10_000}
+    assert_flagged(
+        scene, gathered(scene, rays=4_000_000, **whole), Run(2_000_000, 16, "weighted", defensive=0.0, gather=0.0, **whole), seeds=8
+    )
 
 
 @pytest.mark.parametrize("areas", ["patches", "pixels"])
