@@ -112,9 +112,8 @@ def test_ratios_over_part_of_the_lobe_are_flagged(name: str) -> None:
 def test_ratios_over_part_of_the_lobe_are_flagged_in_the_courtyard(shared: Path) -> None:
     scene = courtyard(shared)
     whole: dict[str, Any] = {"areas": "pixels", "first_shot": True, "patches": 10_000}
-    assert_flagged(
-        scene, gathered(scene, rays=4_000_000, **whole), Run(2_000_000, 16, "weighted", defensive=0.0, gather=0.0, **whole), seeds=8
-    )
+    truth = gathered(scene, rays=4_000_000, **whole)
+    assert_flagged(scene, truth, Run(2_000_000, 16, "weighted", defensive=0.0, gather=0.0, **whole), seeds=8)
 
 
 @pytest.mark.parametrize("areas", ["patches", "pixels"])
@@ -140,8 +139,8 @@ FALSE_FLAGS = [
 def false_flags(scene: lumel.Scene, rays: int, estimator: str, gather: float, areas: str) -> Any:
     """The areas of a closed scene with samples; at most 1 % are flagged."""
     scene = replace(scene, cameras=(scene.cameras[0].with_size(64, 48),))
-    run = Run(rays, 16, estimator, gather=gather, areas=areas, first_shot=True)
-    session = measure(scene, run, 5, 20_000)
+    run = Run(rays, 16, estimator, gather=gather, areas=areas, first_shot=True, patches=20_000)
+    session = measure(scene, run, 5)
     assert not session.stats["open"]
     measured = session.areas(0, estimator)
     flags = measured["flag"][measured["hits"] > 0]
