@@ -10,8 +10,6 @@ import numpy as np
 import pytest
 
 import lumel
-from lumel.images import read_picture
-from lumel.images.compare import compare
 from running import render, run
 
 SMALL: dict[str, Any] = {"transport": "bundles", "patches": 1000, "size": (16, 16), "quality": "draft"}
@@ -56,14 +54,3 @@ def test_a_cracked_room_renders_and_says_what_left_it() -> None:
     result = render(replace(scene, meshes=tuple(meshes)), **SMALL, directions=200)
     assert np.isfinite(result.image()).all()
     assert 0.03 < float(str(result.stats["escaped_share"])) < 0.15
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "areas", "most"), [("bust", "pixels", 0.01), ("gallery", "patches", 0.03)])
-def test_shared_scenes_in_20_seconds(shared: Path, name: str, areas: str, most: float) -> None:
-    reference = read_picture(shared / f"scenes/reference/{name}.exr").layers
-    result = render(lumel.load(shared / f"scenes/{name}.xml"), limit=100, time=20, transport="bundles", areas=areas)
-    found = compare(result.image(), reference["rgb"], None, reference["stderr"])
-    assert found.relmse_without_noise is not None
-    assert found.relmse_without_noise <= most
-    assert found.mean_ratio == pytest.approx(1, abs=0.02)

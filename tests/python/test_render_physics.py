@@ -116,18 +116,20 @@ def test_shared_scenes_look_like_their_references(shared: Path, name: str) -> No
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "estimator", "most"),
+    ("name", "settings", "most"),
     [
-        ("bust", "weighted", 0.02),
-        ("cornell_glossy", "weighted", 0.02),
-        ("courtyard", "weighted", 0.05),
-        ("gallery", "weighted", 0.05),
-        ("spotlit", "classical", 0.05),
+        ("bust", {"estimator": "weighted"}, 0.02),
+        ("cornell_glossy", {"estimator": "weighted"}, 0.02),
+        ("courtyard", {"estimator": "weighted"}, 0.05),
+        ("gallery", {"estimator": "weighted"}, 0.05),
+        ("spotlit", {"estimator": "classical"}, 0.05),
+        ("bust", {"transport": "bundles", "areas": "pixels"}, 0.01),
+        ("gallery", {"transport": "bundles"}, 0.03),
     ],
 )
-def test_shared_scenes_in_20_seconds(shared: Path, name: str, estimator: str, most: float) -> None:
+def test_shared_scenes_in_20_seconds(shared: Path, name: str, settings: dict[str, Any], most: float) -> None:
     reference = read_picture(shared / f"scenes/reference/{name}.exr").layers
-    result = render(lumel.load(shared / f"scenes/{name}.xml"), limit=100, time=20, transport="rays", estimator=estimator)
+    result = render(lumel.load(shared / f"scenes/{name}.xml"), limit=100, time=20, **{"transport": "rays", **settings})
     found = compare(result.image(), reference["rgb"], None, reference["stderr"])
     assert found.relmse_without_noise is not None
     assert found.relmse_without_noise <= most
