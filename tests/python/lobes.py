@@ -109,9 +109,9 @@ class Run:
     patches: int = 200
 
 
-def measure(scene: lumel.Scene, run: Run, seed: int, patches: int | None = None) -> _core.Session:
+def measure(scene: lumel.Scene, run: Run, seed: int) -> _core.Session:
     """A session after `run.replicas` replicas of one step each."""
-    core, _ = to_core(scene, patches or run.patches)
+    core, _ = to_core(scene, run.patches)
     session = _core.Session(
         scene=core,
         cameras=[camera_to_core(scene.cameras[0])],

@@ -52,12 +52,17 @@ def build(box: dict[str, Any]) -> lumel.Scene:
     )
 
 
+def run(box: dict[str, Any], replicas: int, gather: float, transport: str) -> Run:
+    """How a box is measured."""
+    return Run(box["rays"], replicas, "weighted", box["defensive"], gather, transport, box["areas"], patches=100)
+
+
 @QUICK
 @given(boxes)
 def test_weighted_is_at_most_the_brightest_light_times_the_albedo(box: dict[str, Any]) -> None:
+    """Not so for `walk`: a transfer carries the light of one generation alone, and G counts all generations."""
     scene = build(box)
-    run = Run(box["rays"], 2, "weighted", box["defensive"], box["gather"], box["transport"], box["areas"])
-    areas = measure(scene, run, box["seed"], 100).areas(0, "weighted")
+    areas = measure(scene, run(box, 2, box["gather"], "rays"), box["seed"]).areas(0, "weighted")
     brightest = np.max([mesh.emission for mesh in scene.meshes], axis=0)
     # F/G in a channel is a mean of L_in w / lum(w) times a_bar: with one tint, L_in tint / lum(tint) lum(a_s).
     tint = np.array(box["tint"])
@@ -71,9 +76,7 @@ def test_weighted_is_at_most_the_brightest_light_times_the_albedo(box: dict[str,
 def test_gathering_bounds_every_weight(box: dict[str, Any]) -> None:
     gathered = 20.0
     gather = gathered * 2**20 / box["rays"]
-    session = measure(
-        build(box), Run(box["rays"], 1, "weighted", box["defensive"], gather, box["transport"], box["areas"]), box["seed"], 100
-    )
+    session = measure(build(box), run(box, 1, gather, box["transport"]), box["seed"])
     areas = session.areas(0, "weighted")
     # A walk shoots more or fewer rays than it was asked for, and gathers in proportion.
     expected = gathered if box["transport"] == "rays" else gather * session.rays / 2**20

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -83,11 +83,11 @@ def sphere_covered(transport: str, seeds: int) -> Covered:
 
 def cube_covered(transport: str, seeds: int) -> Covered:
     """Irradiance of the patches of the cube, against a run fifty times as long."""
-    scene, run = lumel.load("lumel:cube"), Run(200_000, REPLICAS, "weighted", gather=0.0, transport=transport)
-    truth, _ = front_irradiance(measure(scene, Run(10_000_000, REPLICAS, "weighted", gather=0.0), 999, 300))
+    scene, run = lumel.load("lumel:cube"), Run(200_000, REPLICAS, "weighted", gather=0.0, transport=transport, patches=300)
+    truth, _ = front_irradiance(measure(scene, replace(run, rays=10_000_000, transport="rays"), 999))
     covered = Covered()
     for seed in range(seeds):
-        covered.add(*front_irradiance(measure(scene, run, seed, 300)), truth)
+        covered.add(*front_irradiance(measure(scene, run, seed)), truth)
     return covered
 
 

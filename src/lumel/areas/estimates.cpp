@@ -19,7 +19,14 @@ struct Pool {
             area += size, albedo_area += size * albedo;
         }
     }
-    Samples samples() const { return scaled(sums, area > 0 ? 1 / area : 0, albedo_area > 0 ? 1 / albedo_area : 0); }
+    double albedo() const { return area > 0 ? albedo_area / area : 0; }
+    /// Their means, as if all had the albedo `seen`.
+    Samples samples(double seen) const {
+        const double inv = albedo_area > 0 ? 1 / albedo_area : 0;
+        Samples means = scaled(sums, seen * inv, inv);
+        means.size = albedo_area;
+        return means;
+    }
 };
 
 /// The neighbours' samples stand in where there is none.
@@ -36,13 +43,13 @@ AreaEstimate estimated(const Samples& own, const Samples& around, const Estimato
 constexpr int kFarthest = 6;      // pixels
 constexpr double kAlike = 0.25;   // relative difference of albedo
 
-/// Mean samples of the glossy pixels like this one in rings around it, itself left out.
+/// Mean samples of the glossy pixels like this one in rings around it, itself left out, as if all had its albedo.
 Samples around_pixel(const PixelAreas& areas, uint32_t camera, uint32_t pixel) {
     const int width = static_cast<int>(areas.camera(camera).width), height = static_cast<int>(areas.camera(camera).height);
     const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
     const double albedo = areas.albedo(camera, pixel);
     Samples sum;
-    double count = 0;
+    double albedos = 0;
     for (int ring = 1; ring <= kFarthest && sum.hits < kEnoughAround; ++ring)
         for (int dy = -ring; dy <= ring; ++dy)
             for (int dx = -ring; dx <= ring; ++dx) {
@@ -50,21 +57,21 @@ Samples around_pixel(const PixelAreas& areas, uint32_t camera, uint32_t pixel) {
                 if (std::max(std::abs(dx), std::abs(dy)) != ring || i < 0 || j < 0 || i >= width || j >= height) continue;
                 const auto other = static_cast<uint32_t>(j * width + i);
                 if (std::abs(areas.albedo(camera, other) - albedo) > kAlike * albedo) continue;
-                sum = pooled(sum, areas.samples(camera, other));
-                count += 1;
+                sum = pooled(sum, areas.unscaled(camera, other));
+                albedos += areas.albedo(camera, other);
             }
-    return count > 0 ? scaled(sum, 1 / count, 1 / count) : sum;
+    if (albedos > 0) sum = scaled(sum, albedo / albedos, 1 / albedos);
+    sum.size = albedos;
+    return sum;
 }
 
 }  // namespace
 
 AreaEstimate estimate_pooled(const PatchAreas& areas, const Neighbourhood& neighbourhood, uint32_t eye, std::span<const uint32_t> centre,
                              const Estimator& estimator) {
-    const auto enough = [&](std::span<const uint32_t> found) { return Pool(areas, eye, found).sums.hits >= kEnoughAround; };
-    const Samples own = Pool(areas, eye, centre).samples();
-    const Samples around = Pool(areas, eye, neighbourhood.around(centre, enough)).samples();
-
-    return estimated(own, around, estimator);
+    const auto hits = [&](uint32_t area) { return areas.albedo(eye, area) > 0 ? areas.hits(eye, area) : 0; };
+    const Pool own(areas, eye, centre), around(areas, eye, neighbourhood.around(centre, hits));
+    return estimated(own.samples(own.albedo()), around.samples(own.albedo()), estimator);
 }
 
 std::vector<AreaEstimate> estimate_each(const PatchAreas& areas, const Neighbourhood& neighbourhood, uint32_t eye,

@@ -58,7 +58,9 @@ void IrradianceAreas::measure_bundles(const Step& step, uint32_t side) {
 
 Samples IrradianceAreas::samples(uint32_t side) const {
     const double per_area = 1 / double{scene_->side_area(side)};
-    return scaled(tally_.samples(side), per_area, per_area);
+    Samples means = scaled(tally_.samples(side), per_area, per_area);
+    means.size = double{scene_->side_area(side)};
+    return means;
 }
 
 double IrradianceAreas::mean_hits() const {
@@ -82,7 +84,9 @@ Samples IrradianceAreas::around(uint32_t position) const {
         after = after && position + away < order.size() && !order.starts_run(position + away);
         if (after) add(position + away);
     }
-    return area > 0 ? scaled(sum, 1 / area, 1 / area) : sum;
+    if (area > 0) sum = scaled(sum, 1 / area, 1 / area);
+    sum.size = area;
+    return sum;
 }
 
 SideField IrradianceAreas::field(const Estimator& estimator) const {

@@ -36,6 +36,7 @@ public:
 
     /// Sums not yet divided by area and albedo: samples of several areas can be pooled by addition.
     Samples unscaled(uint32_t eye, uint32_t area) const { return tally_.samples(at(eye, area)); }
+    uint64_t hits(uint32_t eye, uint32_t area) const { return tally_.hits(at(eye, area)); }
     /// Samples of one area as its estimator wants them.
     Samples samples(uint32_t eye, uint32_t area) const;
 

@@ -160,7 +160,9 @@ void PixelAreas::look(const Step& step, uint32_t camera, uint32_t pixel) {
 
 Samples PixelAreas::samples(uint32_t camera, uint32_t pixel) const {
     const double a = albedo(camera, pixel);
-    return scaled(tally_.samples(at(camera, pixel)), 1, a > 0 ? 1 / a : 0);
+    Samples means = scaled(unscaled(camera, pixel), 1, a > 0 ? 1 / a : 0);
+    means.size = a;
+    return means;
 }
 
 }  // namespace lumel

@@ -77,6 +77,8 @@ public:
     void close_replica(double weight, double rays);
     /// Add the sums of `other`, over the same areas: its closed replicas to those here, its replica under way to the one here.
     void merge(const Tally& other);
+    /// Samples of all closed replicas that are not 0.
+    uint64_t hits(size_t area) const { return closed_[area].hits; }
     /// Means over replicas, with the covariances of these means.
     Samples samples(size_t area) const;
 

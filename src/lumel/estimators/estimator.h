@@ -19,11 +19,14 @@ struct Samples {
     Rgb64 fg{};         ///< sum over samples of the product of what each adds to F and to G,
     double gg = 0;      ///< and of the square of what it adds to G: moments of single samples, to find coefficients with
     uint64_t hits = 0;  ///< samples that are not 0
+    double size = 1;    ///< of the areas that were pooled, in one unit for an area and those around it
     uint32_t replicas = 0;  ///< that the means and their covariances are made of
     double looks = 0, looks_dark = 0;  ///< looks along the lobe, and those of them from points that no light can reach,
     double looks_uncovered = 0;        ///< those of the others that no transfer could have come along, and
     double looks_size = 0;             ///< the sum over the rest of what a transfer along them would have added to G
 
+    /// Number of hits of equal size that would tell as much, (sum g)^2 / sum g^2.
+    double effective_hits() const { return gg > 0 ? g * g / gg : 0; }
     /// Share of the target density that p does not cover, as far as looks tell, 0..1; of the part that light can reach.
     double uncovered() const { return looks > looks_dark ? looks_uncovered / (looks - looks_dark) : 0; }
     /// Share of the target density at points that no light can reach, 0..1.

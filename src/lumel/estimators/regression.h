@@ -1,7 +1,7 @@
 // F - b (G - 1): the control variate with the coefficient of the area's own samples.
 #pragma once
 
-#include "lumel/estimators/weighted.h"
+#include "lumel/estimators/estimator.h"
 
 namespace lumel {
 
