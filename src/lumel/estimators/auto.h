@@ -24,13 +24,14 @@ inline Estimate automatic_to_average(const Samples& own, const Samples& around) 
     return {e.value + own.plain, e.variance + own.var_plain};
 }
 
-/// Consistent, with a bias of order 1/n: F - b (G - 1) of the area, and the same of its neighbours, which counts as a few hits more. Needs
-/// 8 sums an area and its neighbours. Values may be slightly negative.
+/// Consistent: F - b (G - 1) of the area. Where it has but few hits, those that are missing join from its neighbours. Needs 8 sums an
+/// area and its neighbours. Values may be slightly negative.
 inline Estimate automatic(const Samples& own, const Samples& around) {
     if (!(own.g > 0) && !(around.g > 0)) return {own.plain, own.var_plain, false};
     const Rgb64 b = dim_radiance(own, around);
-    const double hits = own.effective_hits(), share = around.g > 0 ? hits / (hits + kFewHits) : 1;
-    const Estimate e = filled(corrected(own, b), share, corrected(around, b), around, kFewHits);
+    const double missing = around.g > 0 ? std::max(0.0, kFewHits - own.effective_hits()) : 0;
+    Estimate e = corrected(own, b);
+    if (missing > 0) e = filled(e, 1 - missing / kFewHits, corrected(around, b), around, missing);
     return {e.value + own.plain, e.variance + own.var_plain};
 }
 
