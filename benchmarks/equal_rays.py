@@ -67,7 +67,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--rays", type=int, nargs="+", default=[100_000, 1_000_000, 10_000_000])
-    parser.add_argument("--solve", type=int, nargs="+", default=[0, 20_000_000], help="rays of the solve; 0: a quarter of the others")
+    parser.add_argument("--solve", type=int, nargs="+", default=[0, 4_000_000], help="rays of the solve; 0: a quarter of the others")
     parser.add_argument("--faint", action="store_true", help=f"multiply specular reflectances by {FAINT:g}: no gloss lights gloss")
     parser.add_argument("--cache", type=Path, default=Path("~/.cache/lumel").expanduser(), help="folder for truths")
     parser.add_argument("names", nargs="*", default=["bust", "cornell_glossy"], metavar="SCENE")
