@@ -31,7 +31,7 @@ def main() -> None:
     scenes = folder()
     print(machine(), end="\n\n")
     print(
-        "| scene | gathering rays | time, s | directions, k, or rays, M | a second | relMSE - reference noise | of 8x8 means | mean ratio |"
+        "| scene | gathering rays | time, s | directions, k, or rays, M | a second | relMSE less noise | of 8x8 means | mean ratio |"
     )
     print("|---|---|---|---|---|---|---|---|")
     for name in arguments.names:
