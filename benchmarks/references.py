@@ -30,9 +30,7 @@ def main() -> None:
     arguments = parser.parse_args()
     scenes = folder()
     print(machine(), end="\n\n")
-    print(
-        "| scene | gathering rays | time, s | directions, k, or rays, M | a second | relMSE less noise | of 8x8 means | mean ratio |"
-    )
+    print("| scene | gathering rays | time, s | directions, k, or rays, M | a second | relMSE less noise | of 8x8 means | mean ratio |")
     print("|---|---|---|---|---|---|---|---|")
     for name in arguments.names:
         reference = read_picture(scenes / "reference" / f"{name}.exr").layers

@@ -61,6 +61,9 @@ public:
     void end_replica() {
         run([&] { session_->solver().end_replica(); });
     }
+    void forget() {
+        run([&] { session_->solver().forget(); });
+    }
     void reconstruct() {
         run([&] { session_->reconstruct(); });
     }
@@ -241,6 +244,7 @@ void bind_session(nb::module_& m) {
         .def("begin_replica", &BoundSession::begin_replica, nb::arg("solve_rays"))
         .def("step", &BoundSession::step, nb::arg("work"))
         .def("end_replica", &BoundSession::end_replica)
+        .def("forget", &BoundSession::forget)
         .def("reconstruct", &BoundSession::reconstruct)
         .def("eye_pass", &BoundSession::eye_pass, nb::arg("camera"), nb::arg("samples"))
         .def("capture", &BoundSession::capture, nb::arg("rays"))

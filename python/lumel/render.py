@@ -54,6 +54,7 @@ def render(
     window: int | None = None,
     iteration: str = "frozen",
     progress: Callable[[Progress], None] | None = None,
+    draft: Callable[[Result], None] | None = None,
     interrupted: Callable[[], bool] | None = None,
     started: float | None = None,
 ) -> Result:
@@ -70,7 +71,8 @@ def render(
     size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have. window: pixels of an edge of
     the square that bundles are rasterised into, 16 to 16384 (None: about 16 pixels a patch). iteration: bundles carry the
     light of a solved state (`frozen`), or what the bundle before brought (`plain`, as in the paper). explain: the result tells
-    where the light went and what was made of it. progress is called now and then; interrupted is asked between steps, and True
+    where the light went and what was made of it. progress is called now and then; draft is given a first result after a second or
+    so, then better ones, each after twice the time; interrupted is asked between steps, and True
     ends the work early with a valid result. started: time.monotonic() of when the files were read. Equal seed and rays or
     directions give equal bytes for any number of threads.
 
@@ -104,12 +106,19 @@ def render(
         window=window or 0,
     )
     schedule = Schedule(session, len(cameras), core.patches, transport, started, progress, interrupted or (lambda: False))
+
+    def result(explained: bool) -> Result:
+        pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
+        schedule.error = math.hypot(*schedule.errors())
+        stats = _stats(session, schedule, clock.monotonic() - started, core.patches)
+        notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(settings, stats), *_bundled(settings, stats))
+        story = _explanation(core, session, scene, settings) if explained else None
+        return Result(pictures, _patches(core, session, scene), _metadata(scene, settings, stats), stats, notes, story)
+
+    if draft:
+        schedule.draft = lambda: draft(result(explained=False))
     _work(schedule, settings, core.patches)
-    pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
-    stats = _stats(session, schedule, clock.monotonic() - started, core.patches)
-    notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(settings, stats), *_bundled(settings, stats))
-    story = _explanation(core, session, scene, settings) if explain else None
-    return Result(pictures, _patches(core, session, scene), _metadata(scene, settings, stats), stats, notes, story)
+    return result(explain)
 
 
 def _work(schedule: Schedule, settings: Settings, patches: int) -> None:
@@ -121,7 +130,6 @@ def _work(schedule: Schedule, settings: Settings, patches: int) -> None:
         schedule.by_error(settings.error)
     else:
         schedule.by_work(settings.rays or settings.directions or _work_of(work, settings, patches), work.samples)
-    schedule.error = math.hypot(*schedule.errors())
 
 
 def _work_of(quality: Quality, settings: Settings, patches: int) -> int:

@@ -23,6 +23,8 @@ SHOOT_SHARE = 0.4  # of the time that is left after the scene is ready, while no
 LOOK_AFTER = 3  # replicas, a first look at the pictures divides the time
 LOOK_SAMPLES = 2  # a pixel and pass of that look
 SHORTEST_LOOK = 1.0  # s that must be left for a look to pay
+DRAFT_REPLICAS, DRAFT_RAYS = 2, 1 << 16  # of the first draft, and of each of its replicas
+SHORTEST_WITH_DRAFT = 4.0  # s that a render must have to begin with a draft
 PASS_SAMPLES = 16  # eye samples a pixel between two looks at the clock: those of a pass are spread well, passes are independent
 WANTED_PASSES = 4  # with fewer, passes are made smaller
 FEWEST_PASSES = 2  # the spread of the passes is part of the error bars
@@ -46,7 +48,8 @@ BUNDLES = Pace("directions", 64, 1 << 14, 128, 1, 10_000.0)
 
 @dataclass
 class Schedule:
-    """Runs a session. `interrupted` is asked between steps; `show` is told where things are; `started` is on time.monotonic()."""
+    """Runs a session. `interrupted` is asked between steps; `show` is told where things are; `draft` is called when films hold a first
+    picture, and when they hold a better one after twice the time; `started` is on time.monotonic()."""
 
     session: _core.Session
     cameras: int
@@ -55,8 +58,10 @@ class Schedule:
     started: float
     show: Callable[[Progress], None] | None = None
     interrupted: Callable[[], bool] = lambda: False
+    draft: Callable[[], None] | None = None
     error: float = math.nan
     was_interrupted: bool = False
+    _drafted: float = field(default=0.0, init=False)  # seconds after the start
     _shooting_s: float = field(default=0.0, init=False)
     _step_speed: float = field(default=0.0, init=False)  # work a second of the last step
     _solve_speed: float = field(default=0.0, init=False)  # rays a second of the last solve
@@ -65,17 +70,22 @@ class Schedule:
 
     def by_work(self, work: int, samples: int) -> None:
         """Shoot `work` rays in all, or cast as many bundles, then see with `samples` samples a pixel."""
+        if work * self.pace.rays > 16 * DRAFT_RAYS:
+            self._first_draft()
         replicas = self._replicas(work)
         for replica in range(replicas):
             self._replica(work * (replica + 1) // replicas - work * replica // replicas, lambda: self.work / work * 0.7)
             if self._stop():
                 break
+            self._draft_of_fields()
         self.session.reconstruct()
         self._see(samples)
 
     def by_time(self, seconds: float) -> None:
         """Shoot and see until `seconds` after the start. The share of each follows from what it brought in a first look."""
         end = self.started + seconds
+        if seconds >= SHORTEST_WITH_DRAFT:
+            self._first_draft()
         begin = time.monotonic()
         stop = begin + max(0.0, end - begin) * SHOOT_SHARE
         replicas, replica = 1, 0
@@ -92,6 +102,7 @@ class Schedule:
             self._steps_until(before + slot, end)
             self.session.end_replica()
             replica += 1
+            self._draft_of_fields()
             if replica == LOOK_AFTER and replicas > LOOK_AFTER:
                 each = (time.monotonic() - begin) / replica
                 stop = begin + (end - begin) * self._shoot_share(end)
@@ -101,12 +112,14 @@ class Schedule:
 
     def by_error(self, target: float) -> None:
         """Double the work until the estimated error of the pictures is below `target`."""
+        self._first_draft()
         work, samples = 2 * self.pace.per_replica * FEWEST_REPLICAS, 2 * PASS_SAMPLES
         while True:
             for _ in range(FEWEST_REPLICAS):
                 self._replica(work // FEWEST_REPLICAS, lambda: min(0.99, (target / self.error) ** 2 if self.error > 0 else 0.0))
                 if self._stop():
                     break
+                self._draft_of_fields()
             self.session.reconstruct()
             self._see(samples)
             solution, eye = self.errors()
@@ -207,6 +220,7 @@ class Schedule:
         for done in range(passes):
             self._pass(max(1, samples // passes))
             self._tell("eye", 0.7 + 0.3 * (done + 1) / passes)
+            self._draft_of_films(done + 1)
             if done + 1 >= FEWEST_PASSES and self._stop():
                 break
 
@@ -223,8 +237,43 @@ class Schedule:
             done += 1
             now = time.monotonic()
             self._tell("eye", min(1.0, (now - self.started) / (end - self.started)))
+            self._draft_of_films(done)
             if done >= FEWEST_PASSES and (self._stop() or now + 0.7 * seconds > end):
                 return
+
+    def _first_draft(self) -> None:
+        """A picture of few rays, soon after the start. What it shot is forgotten, so that the result is the same without it."""
+        if not self.draft:
+            return
+        for _ in range(DRAFT_REPLICAS):
+            self.session.begin_replica(DRAFT_RAYS)
+            self.session.step(max(self.pace.least, int(DRAFT_RAYS / self.pace.rays)))
+            self.session.end_replica()
+        self._look_and_draft()
+        self.session.forget()
+
+    def _draft_of_fields(self) -> None:
+        """A draft of the replicas so far, if one is due."""
+        if self.draft and self._draft_is_due():
+            self._look_and_draft()
+
+    def _draft_of_films(self, passes: int) -> None:
+        """A draft of the passes so far, if one is due."""
+        if self.draft and passes >= FEWEST_PASSES and self._draft_is_due():
+            self._hand_out_draft()
+
+    def _look_and_draft(self) -> None:
+        self.session.reconstruct()
+        self._pass(LOOK_SAMPLES)
+        self._hand_out_draft()
+
+    def _draft_is_due(self) -> bool:
+        return time.monotonic() - self.started > 2 * self._drafted
+
+    def _hand_out_draft(self) -> None:
+        assert self.draft
+        self.draft()
+        self._drafted = time.monotonic() - self.started
 
     def _shoot_share(self, end: float) -> float:
         """The share of the time for shooting that makes the sum of both squared errors least, as a first look at the pictures tells.

@@ -67,7 +67,7 @@ def test_second_ctrl_c_stops_at_once_and_leaves_nothing(tmp_path: Path) -> None:
     out, err = process.communicate(timeout=30)
     assert time.monotonic() - begin < 5
     assert process.returncode == 130
-    assert "nothing was written" in err
+    assert "nothing more was written" in err
     assert "Traceback" not in err
     assert out == ""
     assert not list(tmp_path.iterdir())

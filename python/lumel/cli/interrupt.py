@@ -27,10 +27,10 @@ def run_interruptibly(work: Callable[[Callable[[], bool]], T]) -> T:
 
     def on_signal(_signal: int, _frame: FrameType | None) -> None:
         if asked.is_set():
-            # The renderer's threads cannot be stopped from outside, and no file has been begun: leave without waiting for them.
+            # The renderer's threads cannot be stopped from outside, and files are written in one go: leave without waiting for them.
             if sys.stderr.isatty():
                 os.write(2, _SHOW_CURSOR.encode())
-            os.write(2, b"\nlumel: stopped; nothing was written\n")
+            os.write(2, b"\nlumel: stopped; nothing more was written\n")
             os._exit(STOPPED)
         asked.set()
         os.write(2, b"\nlumel: finishing the picture with what is there; Ctrl-C again stops at once\n")

@@ -7,6 +7,7 @@ import sys
 import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -78,8 +79,10 @@ def render(
         started = clock.monotonic()
         if camera == "all":
             _check_outputs([path for path, _ in _targets(output, [view.name for view in loaded.cameras])])
-        result = _run(loaded, given | {"started": started}, show, quiet)
-        files = _write(result, output, every_camera=camera == "all", layers=wanted, exposure=exposure, half=half)
+        write = partial(_write, outputs=output, every_camera=camera == "all", layers=wanted, exposure=exposure, half=half)
+        drafts = {"draft": write} if show == "bar" and not quiet else {}
+        result = _run(loaded, given | {"started": started} | drafts, show, quiet)
+        files = write(result)
         if not quiet:
             summary.show(result, files, as_json=show == "json")
             if result.explanation and show != "json":

@@ -42,6 +42,8 @@ public:
     void measure(const Step& step);
     /// End a replica: see Tally.
     void close_replica(double weight, double rays) { tally_.close_replica(weight, rays); }
+    /// Go back to the start, without a sample.
+    void forget() { tally_ = Tally(tally_.size()); }
     /// Samples of one side.
     Samples samples(uint32_t side) const;
     /// Samples of a side that has any, in the mean.

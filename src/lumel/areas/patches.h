@@ -32,6 +32,8 @@ public:
     void measure(const Step& step);
     /// End a replica: see Tally.
     void close_replica(double weight, double rays) { tally_.close_replica(weight, rays); }
+    /// Go back to the start, without a sample.
+    void forget() { tally_ = Tally(tally_.size()); }
     uint32_t replicas() const { return tally_.replicas(); }
 
     /// Sums not yet divided by area and albedo: samples of several areas can be pooled by addition.

@@ -28,6 +28,8 @@ public:
     void measure(const Step& step);
     /// End a replica: see Tally.
     void close_replica(double weight, double rays) { tally_.close_replica(weight, rays); }
+    /// Go back to the start, without a sample.
+    void forget() { tally_ = Tally(tally_.size()); }
     /// Sums not yet divided by albedo: samples of several pixels can be pooled by addition.
     Samples unscaled(uint32_t camera, uint32_t pixel) const { return tally_.samples(at(camera, pixel)); }
     /// Samples of one pixel as its estimator wants them.

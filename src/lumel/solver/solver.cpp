@@ -128,6 +128,17 @@ void Solver::end_replica() {
     light_.reset();
 }
 
+void Solver::forget() {
+    const Scene& scene = accel_->scene();
+    areas_.forget();
+    if (pixels_) pixels_->forget();
+    if (irradiance_) irradiance_->forget();
+    direct_ = SideMoments(scene.sides()), indirect_ = SideMoments(scene.sides());
+    stats_ = {};
+    stats_.landed.resize(scene.shapes());
+    reflections_ = kReflections;
+}
+
 SolverStats Solver::stats() const {
     SolverStats all = stats_;
     if (bundles_) all.rays += bundles_->rays(), all.bundles += bundles_->stats();

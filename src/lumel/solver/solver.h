@@ -58,6 +58,8 @@ public:
     std::vector<RayBlock> departures(uint64_t rays) const;
     /// Close the replica; its light counts as one sample. Does nothing if no step was made.
     void end_replica();
+    /// Go back to the start, as if no replica had been made.
+    void forget();
 
     /// Steps made in the replica under way.
     uint64_t steps() const { return steps_; }
@@ -74,6 +76,8 @@ public:
     SideField indirect() const { return indirect_.field(replicas()); }
 
 private:
+    static constexpr double kReflections = 3;  // before the first walk
+
     /// Start the transports that keep a state over the steps of a replica.
     void start_rays(uint64_t solve_rays);
     void start_bundles(uint64_t solve_rays);
@@ -96,7 +100,7 @@ private:
     std::vector<Rgb64> received_;
     double weight_ = 0, density_rays_ = 0;
     uint64_t steps_ = 0, generations_ = 0;
-    double reflections_ = 3;  // rays of a whole walk over those of its first generation, as the last walk had it
+    double reflections_ = kReflections;  // rays of a whole walk over those of its first generation, as the last walk had it
 };
 
 }  // namespace lumel
