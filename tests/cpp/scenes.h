@@ -23,6 +23,7 @@ public:
         return *this;
     }
     SceneBuilder& triangle(Vec3 a, Vec3 b, Vec3 c);
+    uint32_t shapes() const { return static_cast<uint32_t>(shape_material_.size()); }
     /// Corner and edges; the front is on the side of u x v.
     SceneBuilder& quad(Vec3 corner, Vec3 u, Vec3 v);
     /// Face 0..5 (-x, +x, -y, +y, -z, +z) of a box, front inward or outward.
@@ -71,6 +72,9 @@ inline Material mirror(float tint) {
     m.mirror = grey(tint);
     return m;
 }
+
+/// A random mess: triangles large and small, needles, points, shared corners, coinciding and coplanar faces, broken numbers.
+SceneBuilder soup(uint64_t seed);
 
 /// A scene with what shooting needs. It stays where it is made: the parts point to each other.
 struct Stage {
