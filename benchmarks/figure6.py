@@ -21,8 +21,8 @@ import lumel
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--directions", type=int, default=500)
-    parser.add_argument("--reference", type=int, default=8, help="times the directions")
+    parser.add_argument("--directions", type=int, default=800)
+    parser.add_argument("--reference", type=int, default=4, help="times the directions")
     parser.add_argument("--size", type=int, default=800, help="pixels of an edge")
     parser.add_argument("-o", "--output", type=Path, default=Path("out/figure6"))
     parser.add_argument("scene", nargs="?", default=str(folder() / "bust.xml"))

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lumel/accel/accel.h"
+#include "lumel/scene/lattice.h"
 #include "lumel/transport/defensive.h"
 
 namespace lumel::test {
@@ -80,6 +81,7 @@ SceneBuilder soup(uint64_t seed);
 struct Stage {
     Scene scene;
     Accel accel{scene};
+    Lattice lattice{scene};
     DefensiveStarts defensive = survey(accel, 99);
 
     explicit Stage(Scene s) : scene(std::move(s)) {}

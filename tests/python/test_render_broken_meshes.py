@@ -21,18 +21,8 @@ SCENE = """<scene version="3.0.0"><shape type="ply"><string name="filename" valu
 <sensor type="perspective"><float name="fov" value="60"/><film type="hdrfilm"><integer name="width" value="8"/>
 <integer name="height" value="8"/></film></sensor></scene>"""
 FLAGS = [
-    "--transport",
-    "bundles",
-    "--directions",
-    "300",
-    "--window",
-    "128",
-    "--no-first-shot",
-    "--quality",
-    "draft",
-    "--explain",
-    "--lenient",
-]
+    "--transport", "bundles", "--directions", "300", "--window", "128", "--no-first-shot", "--quality", "draft", "--explain", "--lenient",
+]  # fmt: skip
 
 
 def ply(surface: Surface) -> str:
