@@ -14,6 +14,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 from scenes import folder, machine
 
 import lumel
@@ -46,11 +47,14 @@ def main() -> None:
         f"| {arguments.directions} directions, {arguments.size}x{arguments.size} | processor time on one thread, s | relMSE of the gloss |"
     )
     print("|---|---|---|")
+    pictures = []
     for estimator in ("classical", "weighted"):
         result, seconds = render(estimator, arguments.directions, threads=1)
         result.write(arguments.output / f"{estimator}.png")
+        pictures.append(np.asarray(Image.open(arguments.output / f"{estimator}.png")))
         error = np.mean((result.layer("indirect.specular")[glossy] - reference[glossy]) ** 2 / scale)
         print(f"| {estimator} | {seconds:.1f} | {error:.4g} |", flush=True)
+    Image.fromarray(np.hstack(pictures)).save(arguments.output / "pair.png")
 
 
 if __name__ == "__main__":
