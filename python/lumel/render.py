@@ -103,7 +103,9 @@ def render(
         iteration=iteration,
         window=window or 0,
     )
-    schedule = Schedule(session, len(cameras), core.patches, transport, started, progress, interrupted or (lambda: False))
+    schedule = Schedule(
+        session, len(cameras), core.patches, transport, iteration == "plain", started, progress, interrupted or (lambda: False)
+    )
     _work(schedule, settings, core.patches)
     pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
     stats = _stats(session, schedule, clock.monotonic() - started, core.patches)
