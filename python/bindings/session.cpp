@@ -200,8 +200,10 @@ void add_bundles(const BundleStats& stats, nb::dict& d) {
     d["mean_depth"] = c.lines > 0 ? static_cast<double>(c.fragments) / static_cast<double>(c.lines) : 0.0;
     d["parity_violations_per_million"] = c.lines > 0 ? 1e6 * static_cast<double>(c.parity_violations) / static_cast<double>(c.lines) : 0.0;
     d["window"] = stats.window;
-    d["escaped_share"] = stats.sent > 0 ? stats.escaped / stats.sent : 0.0;
-    d["lost_share"] = stats.sent > 0 ? (stats.sent - stats.received - stats.escaped) / stats.sent : 0.0;
+    const auto share = [&](double flux) { return stats.sent > 0 ? flux / stats.sent : 0.0; };
+    d["received_share"] = share(stats.received);
+    d["escaped_share"] = share(stats.escaped);
+    d["mispaired_share"] = share(stats.mispaired);
 }
 
 nb::typed<nb::dict, nb::str, nb::object> stats(BoundSession& self) {

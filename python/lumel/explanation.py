@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -58,6 +58,28 @@ class AreaStory:
 
 
 @dataclass(frozen=True)
+class BundleStory:
+    """What bundles met on the lines of their windows.
+
+    `fragments`: patches met, over all lines; `pairs`: neighbours on a line, which see each other; `mean_depth`: fragments a line that has
+    any; `parity_violations`: lines of a million that do not enter and leave closed meshes in turn. Shares of the flux that was sent along
+    lines: `received`, `escaped` (left the scene) and `mispaired` (of what was received: between neighbours of one closed mesh that look
+    the same way); a closed scene of sound meshes has 1, 0 and 0.
+    """
+
+    directions: int
+    directions_per_s: float
+    window: int
+    fragments: int
+    pairs: int
+    mean_depth: float
+    parity_violations: float
+    received: float
+    escaped: float
+    mispaired: float
+
+
+@dataclass(frozen=True)
 class Explanation:
     """`work`: shooting rays, or directions of bundles as `unit` says. `landed`: meshes by their share of the transfers, largest first (of
     bundles: one a patch and direction). `escaped`: share of the rays, or of the light of bundles, that left the scene.
@@ -72,26 +94,49 @@ class Explanation:
     landed: tuple[Share, ...]
     escaped: float
     areas: tuple[AreaStory, ...]
+    bundles: BundleStory | None
 
 
 def explain(
-    session: _core.Session, scene: Scene, lamp_areas: Sequence[float], cameras: Sequence[Camera], transport: str, estimator: str
+    session: _core.Session,
+    scene: Scene,
+    lamp_areas: Sequence[float],
+    cameras: Sequence[Camera],
+    transport: str,
+    estimator: str,
+    stats: Mapping[str, Any],
 ) -> Explanation:
-    """Look back at a finished `session`. `lamp_areas`: m2 for every mesh, 0 where it does not shine."""
+    """Look back at a finished `session`. `lamp_areas`: m2 for every mesh, 0 where it does not shine. `stats`: of the result."""
     names = [f"{mesh.name} ({mesh.material})" for mesh in scene.meshes]
-    landed, stats = session.landed(), session.stats
-    escaped = int(str(stats["escaped_rays"])) / max(1, session.rays)
+    landed = session.landed()
+    bundles = _bundles(stats) if transport == "bundles" else None
     lamps = _lamps(session, scene, lamp_areas, names)
     return Explanation(
         transport,
         estimator,
-        session.directions if transport == "bundles" else session.rays,
-        "directions" if transport == "bundles" else "rays",
+        bundles.directions if bundles else session.rays,
+        "directions" if bundles else "rays",
         lamps[:MOST_LAMPS],
         max(0, len(lamps) - MOST_LAMPS),
         _largest(names, landed / max(1, int(landed.sum()))),
-        float(str(stats["escaped_share"])) if transport == "bundles" else escaped,
+        bundles.escaped if bundles else stats["escaped_rays"] / max(1, session.rays),
         tuple(_areas(session, index, camera.name, estimator) for index, camera in enumerate(cameras)),
+        bundles,
+    )
+
+
+def _bundles(stats: Mapping[str, Any]) -> BundleStory:
+    return BundleStory(
+        stats["directions"],
+        stats["directions_per_s"],
+        stats["window"],
+        stats["fragments"],
+        stats["pairs"],
+        stats["mean_depth"],
+        stats["parity_violations_per_million"],
+        stats["received_share"],
+        stats["escaped_share"],
+        stats["mispaired_share"],
     )
 
 

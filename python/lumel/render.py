@@ -69,7 +69,7 @@ def render(
     directions (of bundles), time (s, from `started` until the picture is complete) or error (relative); with none,
     `quality` (draft, medium, high) sets the work. patches: how many, about. camera: a name, `all`, or None for the first.
     size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have. window: pixels of an edge of
-    the square that bundles are rasterised into, 16 to 16384 (None: about 16 pixels a patch). iteration: bundles carry the
+    the square that bundles are rasterised into, 16 to 4096 (None: about 16 pixels a patch). iteration: bundles carry the
     light of a solved state (`frozen`), or what the bundle before brought (`plain`, as in the paper). explain: the result tells
     where the light went and what was made of it. progress is called now and then; draft is given a first result after a second or
     so, then better ones, each after twice the time; interrupted is asked between steps, and True
@@ -105,14 +105,16 @@ def render(
         iteration=iteration,
         window=window or 0,
     )
-    schedule = Schedule(session, len(cameras), core.patches, transport, started, progress, interrupted or (lambda: False))
+    schedule = Schedule(
+        session, len(cameras), core.patches, transport, iteration == "plain", started, progress, interrupted or (lambda: False)
+    )
 
     def result(explained: bool) -> Result:
         pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
         schedule.error = math.hypot(*schedule.errors())
         stats = _stats(session, schedule, clock.monotonic() - started, core.patches)
         notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(settings, stats), *_bundled(settings, stats))
-        story = _explanation(core, session, scene, settings) if explained else None
+        story = _explanation(core, session, scene, settings, stats) if explained else None
         return Result(pictures, _patches(core, session, scene), _metadata(scene, settings, stats), stats, notes, story)
 
     if draft:
@@ -182,10 +184,10 @@ def scene_hash(scene: Scene) -> str:
     return digest.hexdigest()
 
 
-def _explanation(core: _core.Scene, session: _core.Session, scene: Scene, settings: Settings) -> Explanation:
+def _explanation(core: _core.Scene, session: _core.Session, scene: Scene, settings: Settings, stats: dict[str, object]) -> Explanation:
     from .explanation import explain
 
-    return explain(session, scene, core.lamp_areas, settings.cameras(scene), settings.transport, settings.estimator)
+    return explain(session, scene, core.lamp_areas, settings.cameras(scene), settings.transport, settings.estimator, stats)
 
 
 def _dark(scene: Scene, pictures: dict[str, dict[str, FloatArray]]) -> Iterator[str]:
@@ -212,10 +214,13 @@ def _bundled(settings: Settings, stats: dict[str, object]) -> Iterator[str]:
     """Say where bundles lose light, or cannot be averaged."""
     if settings.transport != "bundles":
         return
-    violations, escaped = float(str(stats["parity_violations_per_million"])), float(str(stats["escaped_share"]))
+    violations, escaped, mispaired = (
+        float(str(stats[key])) for key in ("parity_violations_per_million", "escaped_share", "mispaired_share")
+    )
     if violations > PARITY_WORTH_SAYING:
         yield (
-            f"{violations:.3g} of a million lines enter and leave closed meshes unequally often: the meshes have cracks or cross themselves"
+            f"{violations:.3g} of a million lines do not enter and leave closed meshes in turn, so these cross themselves: {mispaired:.2%} "
+            "of the light of the bundles went between faces that look the same way"
         )
     if not stats["open"] and escaped > LEAK_WORTH_SAYING:
         yield f"{escaped:.2%} of the light of the bundles left the scene, which looked closed: it has gaps"

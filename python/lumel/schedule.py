@@ -6,7 +6,7 @@ import math
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -44,6 +44,7 @@ class Pace:
 
 RAYS = Pace("rays", 100_000, 1 << 25, RAYS_PER_STEP, 256, 1.0)
 BUNDLES = Pace("directions", 64, 1 << 14, 128, 1, 10_000.0)
+PLAIN = replace(BUNDLES, per_replica=1024)  # bundles as the paper iterates them: many directions pass before a replica has settled
 
 
 @dataclass
@@ -55,6 +56,7 @@ class Schedule:
     cameras: int
     patches: int
     transport: str
+    plain: bool  # are bundles iterated plainly?
     started: float
     show: Callable[[Progress], None] | None = None
     interrupted: Callable[[], bool] = lambda: False
@@ -137,7 +139,7 @@ class Schedule:
     @property
     def pace(self) -> Pace:
         """How work is dealt out."""
-        return BUNDLES if self.transport == "bundles" else RAYS
+        return RAYS if self.transport != "bundles" else PLAIN if self.plain else BUNDLES
 
     @property
     def work(self) -> int:

@@ -16,7 +16,7 @@ from .scene import Camera, Scene
 
 TRANSPORTS = ("rays", "walk", "bundles")
 ITERATIONS = ("frozen", "plain")
-WINDOWS = (16, 16_384)  # least and most pixels of an edge
+WINDOWS = (16, 4096)  # least and most pixels of an edge
 AREAS = ("patches", "pixels")
 GATHER = 16.0  # gathering rays an area and 2^20 shooting rays, where the estimator divides by their density
 LARGEST_PICTURE = 32_768  # pixels a side

@@ -87,8 +87,11 @@ void reference_exchange(const RasterScene& raster, const Window& window, std::sp
             const Fragment &near = line[i], &far = line[i + 1];
             received[along(near)] += sent[against(far)];
             received[against(far)] += sent[along(near)];
-            violated |= surface != RasterScene::kOpen && near.front_along == far.front_along &&
-                        surface == raster.closed_surface(scene.triangle_of_patch(far.patch));
+            if (surface != RasterScene::kOpen && near.front_along == far.front_along &&
+                surface == raster.closed_surface(scene.triangle_of_patch(far.patch))) {
+                violated = true;
+                counters.mispaired += to_double(sent[along(near)]) + to_double(sent[against(far)]);
+            }
         }
         counters.escaped += sent[against(line.front())];
         counters.escaped += sent[along(line.back())];

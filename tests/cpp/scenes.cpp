@@ -1,6 +1,9 @@
 #include "scenes.h"
 
+#include <limits>
 #include <map>
+
+#include "lumel/sampling/sobol.h"
 
 namespace lumel::test {
 
@@ -102,6 +105,42 @@ Scene SceneBuilder::build(uint64_t patches) const {
                   .shape_material = shape_material_,
                   .shape_emission = shape_emission_},
                  materials_, point_lamps_, patches);
+}
+
+SceneBuilder soup(uint64_t seed) {
+    Rng rng(seed);
+    SceneBuilder b;
+    b.shape(b.material(matt(0.5f)));
+    b.triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    const auto coordinate = [&] {
+        const float x = 2 * rng.uniform() - 1, kind = rng.uniform();
+        return kind < 0.3f ? std::round(2 * x) / 2 : kind < 0.4f ? 1e-6f * x : x;
+    };
+    const auto point = [&] { return Vec3{coordinate(), coordinate(), coordinate()}; };
+    std::vector<Vec3> corners{point()};
+    const auto corner = [&] {
+        if (rng.uniform() < 0.6f) return corners[static_cast<size_t>(rng.uniform() * static_cast<float>(corners.size()))];
+        return corners.emplace_back(point());
+    };
+    for (int i = 0; i < 25; ++i) {
+        const float kind = rng.uniform();
+        const Vec3 p = corner(), q = corner(), r = corner();
+        if (kind < 0.7f)
+            b.triangle(p, q, r);
+        else if (kind < 0.8f)
+            b.triangle(p, q, p + (q - p) * 0.5f + r * 1e-5f);
+        else if (kind < 0.9f)
+            b.shape(0, grey(1)).triangle(p, q, r).shape(0, grey(2)).triangle(q, r, p).shape(0, grey(3)).triangle(q, p, r);
+        else if (kind < 0.93f)
+            b.triangle(p, q, r * std::numeric_limits<float>::quiet_NaN());
+        else if (kind < 0.95f)
+            b.triangle(p, q, r * 1e30f);
+        else if (kind < 0.97f)
+            b.triangle(p, q, r * 1e8f);
+        else
+            b.triangle(p, p, q);
+    }
+    return b;
 }
 
 double lamp_power(const Scene& scene) {

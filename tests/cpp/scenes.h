@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lumel/accel/accel.h"
+#include "lumel/scene/lattice.h"
 #include "lumel/transport/defensive.h"
 
 namespace lumel::test {
@@ -23,6 +24,7 @@ public:
         return *this;
     }
     SceneBuilder& triangle(Vec3 a, Vec3 b, Vec3 c);
+    uint32_t shapes() const { return static_cast<uint32_t>(shape_material_.size()); }
     /// Corner and edges; the front is on the side of u x v.
     SceneBuilder& quad(Vec3 corner, Vec3 u, Vec3 v);
     /// Face 0..5 (-x, +x, -y, +y, -z, +z) of a box, front inward or outward.
@@ -72,10 +74,14 @@ inline Material mirror(float tint) {
     return m;
 }
 
+/// A random mess: triangles large and small, needles, points, shared corners, coinciding and coplanar faces, broken numbers.
+SceneBuilder soup(uint64_t seed);
+
 /// A scene with what shooting needs. It stays where it is made: the parts point to each other.
 struct Stage {
     Scene scene;
     Accel accel{scene};
+    Lattice lattice{scene};
     DefensiveStarts defensive = survey(accel, 99);
 
     explicit Stage(Scene s) : scene(std::move(s)) {}

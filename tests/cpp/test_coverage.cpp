@@ -71,7 +71,7 @@ Measured<PatchAreas> patches_of(const Stage& stage) {
 }
 
 Measured<PixelAreas> pixels_of(const Stage& stage) {
-    PixelAreas areas(stage.accel, {kCamera});
+    PixelAreas areas(stage.accel, stage.lattice, {kCamera});
     std::vector<double> weights;
     for (uint32_t pixel = 0; pixel < kCamera.width * kCamera.height; ++pixel) weights.push_back(areas.albedo(0, pixel));
     return {std::move(areas), std::move(weights)};

@@ -93,6 +93,7 @@ TEST(Homogeneous, one_step_is_exact_after_one_hit_of_a_pixel) {
     constexpr float kWhite = 2;
     const Scene scene = homogeneous_scene().build(800);
     const Accel accel(scene);
+    const Lattice lattice(scene);
     const Camera camera{.origin = {0.5f, 0.1f, 0.9f},
                         .right = {1, 0, 0},
                         .up = {0, 0.6f, 0.8f},
@@ -103,7 +104,7 @@ TEST(Homogeneous, one_step_is_exact_after_one_hit_of_a_pixel) {
                         .height = 20};
     for (float share : {0.0f, 0.3f, 1.0f})
         for (uint64_t rays : {5000u, 100000u}) {
-            PixelAreas areas(accel, {camera});
+            PixelAreas areas(accel, lattice, {camera});
             const HomogeneousStep one(scene, accel, grey(kWhite), {rays, share, 7});
             areas.measure(one.step());
             areas.close_replica(1, one.rays());

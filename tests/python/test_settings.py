@@ -68,5 +68,5 @@ def test_what_a_transport_does_not_have_is_named_with_those_that_do() -> None:
         "window is 64, which the transport rays does not have; allowed: with bundles",
         "iteration is plain, which the transport rays does not have; allowed: with bundles",
     ]
-    assert messages(transport="bundles", directions=10, window=8) == ["window is 8; allowed: 16 to 16384 pixels"]
+    assert messages(transport="bundles", directions=10, window=8) == ["window is 8; allowed: 16 to 4096 pixels"]
     assert messages(transport="bundles", directions=0) == ["directions is 0; allowed: 1 to 10^9"]

@@ -13,7 +13,7 @@ import numpy as np
 from . import text
 
 if TYPE_CHECKING:
-    from ..explanation import AreaStory, Explanation, Share
+    from ..explanation import AreaStory, BundleStory, Explanation, Share
     from ..result import Result
     from ..scene import FloatArray
 
@@ -36,6 +36,8 @@ def show(explanation: Explanation) -> None:
     work = text.count(explanation.work, explanation.unit)
     went = f"{work} of the transport `{explanation.transport}` arrived on: {_shares(explanation.landed)}"
     console.print(f"{went}; {explanation.escaped:.1%} left the scene")
+    if explanation.bundles:
+        console.print(*_lines(explanation.bundles), sep="\n")
     for areas in explanation.areas:
         console.print(*_story(areas, explanation.estimator), sep="\n")
 
@@ -60,6 +62,18 @@ def _shift(correction: FloatArray, light: FloatArray) -> FloatArray:
     """0.5 where nothing was corrected, up to 0 or 1 where the correction is STRONGEST of the light."""
     relative = np.divide(correction, light, out=np.zeros_like(correction), where=light > 0)
     return np.clip(0.5 + 0.5 * relative / STRONGEST, 0, 1).astype(np.float32)
+
+
+def _lines(bundles: BundleStory) -> Sequence[str]:
+    directions = f"{text.count(bundles.directions, 'directions')}, {text.count(bundles.directions_per_s, 'directions/s')}"
+    depth = f"mean depth complexity {bundles.mean_depth:.3g}"
+    met = f"{text.count(bundles.fragments, 'fragments')}, {text.count(bundles.pairs, 'pairs')}, {depth}"
+    parity = f"{text.si(bundles.parity_violations).strip()} parity violations per million lines"
+    went = f"{bundles.received:.3%} arrived and {bundles.escaped:.3%} escaped (100 % and 0 % in a closed scene)"
+    return (
+        f"bundles: {directions}, window {bundles.window}, {met}, {parity}",
+        f"  of the light that they carried {went}; {bundles.mispaired:.3%} went between faces of one closed mesh that look the same way",
+    )
 
 
 def _story(areas: AreaStory, estimator: str) -> Sequence[str]:

@@ -32,11 +32,11 @@ def show(result: Result, files: Sequence[Path], *, as_json: bool) -> None:
 
 
 def bundles(stats: Mapping[str, Any]) -> str:
-    """`window 512, 3 M fragments, 2 M pairs, mean depth 2.4, 12 parity violations per million lines`."""
+    """`window 512, 3 M fragments, 2 M pairs, mean depth 2.40, 12 parity violations per million lines, 1 % of the light escaped, ...`."""
     return (
         f"window {stats['window']}, {text.count(stats['fragments'], 'fragments')}, {text.count(stats['pairs'], 'pairs')}, "
         f"mean depth {stats['mean_depth']:.2f}, {text.si(stats['parity_violations_per_million']).strip()} parity violations per million "
-        f"lines, {text.error(stats['escaped_share'])} of the light escaped"
+        f"lines, {text.error(stats['escaped_share'])} of the light escaped, {text.error(stats['mispaired_share'])} was paired wrongly"
     )
 
 

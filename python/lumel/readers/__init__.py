@@ -37,7 +37,7 @@ def load(path_or_name: str | Path, *, defines: Mapping[str, str] = _NONE, lenien
         _refuse(defines, text)
         from .bare_mesh import read_bare_mesh
 
-        return read_bare_mesh(path)
+        return read_bare_mesh(path, lenient)
     read_file(path)  # a missing file is the better news than its ending
     raise SceneError(f"cannot read '{path}': unknown ending '{ending}'; {nearest(ending, ['.xml', *_MESHES])}")
 

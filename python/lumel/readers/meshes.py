@@ -18,7 +18,8 @@ from .surface import Surface, unit
 def read_mesh(path: Path) -> Surface:
     """The triangles of a mesh file, larger polygons cut into fans; normals where the file has one for each vertex.
 
-    Raises SceneError that names the file and says how many vertices, indices or lines are bad. Degenerate triangles pass.
+    Triangles with a vertex that is not finite are left out, and `left_out` says so. Degenerate triangles pass. Raises SceneError that
+    names the file and says how many vertices, indices or lines are bad.
     """
     data = read_file(path)
     ending = path.suffix.lower()
@@ -99,14 +100,19 @@ def _checked(surface: Surface, path: Path) -> Surface:
     vertices, triangles = surface.vertices, surface.triangles
     if not len(vertices) or not len(triangles):
         raise SceneError(f"'{path}' is empty: {len(vertices)} vertices, {len(triangles)} triangles")
-    bad = ~(np.abs(vertices) < np.finfo(np.float32).max).all(axis=1)
-    if bad.any():
-        raise SceneError(f"'{path}': {bad.sum()} of {len(vertices)} vertices are NaN, infinite or beyond the range of float32")
     outside = ((triangles < 0) | (triangles >= len(vertices))).any(axis=1)
     if outside.any():
         found = f"{outside.sum()} of {len(triangles)} triangles have an index outside 0..{len(vertices) - 1}"
         raise SceneError(f"'{path}': {found}, the first is {triangles[outside][0].tolist()}")
+    bad = ~(np.abs(vertices) < np.finfo(np.float32).max).all(axis=1)
+    sound = ~bad[triangles].any(axis=1)
+    left_out = ""
+    if bad.any():
+        left_out = f"'{path}': {bad.sum()} of {len(vertices)} vertices are NaN, infinite or beyond the range of float32"
+        if not sound.any():
+            raise SceneError(left_out)
+        # Nothing uses them any more: let them be anywhere among the others.
+        vertices = np.where(bad[:, None], vertices[~bad][0], vertices)
     normals = surface.normals
-    if normals is not None and np.isfinite(normals).all() and np.abs(normals).max(axis=1).all():
-        return Surface(vertices, triangles, unit(normals))
-    return Surface(vertices, triangles)
+    has_normals = normals is not None and np.isfinite(normals).all() and bool(np.abs(normals).max(axis=1).all())
+    return Surface(vertices, triangles[sound], unit(normals) if normals is not None and has_normals else None, left_out)

@@ -93,6 +93,8 @@ class ShapeReader:
             self._files[path] = _read(path, node.type)
         found = self._files[path]
         if isinstance(found, Surface):
+            if found.left_out:
+                self._findings.unsupported(f"{plugin.label}: {found.left_out}", node)
             return found
         for problem in found.problems:
             self._findings.wrong(f"{plugin.label}: {problem}", node)

@@ -16,11 +16,15 @@ Indices = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Surface:
-    """`vertices` (n, 3) in metres, `triangles` (m, 3) counter-clockwise seen from the front, `normals` (n, 3) of length 1 or None: flat."""
+    """`vertices` (n, 3) in metres, `triangles` (m, 3) counter-clockwise seen from the front, `normals` (n, 3) of length 1 or None: flat.
+
+    `left_out` says what of a file could not be used, "" where all of it could.
+    """
 
     vertices: Points
     triangles: Indices
     normals: Points | None = None
+    left_out: str = ""
 
     def placed(self, matrix: Matrix) -> Surface:
         """Moved by a (4, 4) matrix. A reflection turns the winding, and so the front, to the other side; normals stay on the front."""

@@ -15,6 +15,7 @@ namespace lumel {
 class BundleSamples {
 public:
     static constexpr size_t kMost = 64;  ///< bundles at a time
+    using Lane = std::array<float, kMost>;
 
     /// Directions of `bundles`, at most kMost.
     explicit BundleSamples(std::span<const Bundle> bundles);
@@ -26,7 +27,6 @@ public:
     bool is_lit(size_t i) const { return share_[i] > 0; }
 
 private:
-    using Lane = std::array<float, kMost>;
     size_t n_;
     Lane x_{}, y_{}, z_{};  // of the directions
     Lane share_{}, cos_h_{};

@@ -40,7 +40,7 @@ std::optional<uint32_t> pixel_of(const Camera& camera, Vec3 x) {
 
 }  // namespace
 
-PixelAreas::PixelAreas(const Accel& accel, std::vector<Camera> cameras)
+PixelAreas::PixelAreas(const Accel& accel, const Lattice& lattice, std::vector<Camera> cameras)
     : accel_(&accel), scene_(&accel.scene()), cameras_(std::move(cameras)) {
     size_t areas = 0;
     for (const Camera& camera : cameras_) {
@@ -50,6 +50,7 @@ PixelAreas::PixelAreas(const Accel& accel, std::vector<Camera> cameras)
     albedo_.resize(areas);
     tally_ = Tally(areas);
     find_receivers();
+    field_ = BundleField(*scene_, lattice, receivers_);
     find_albedo();
 }
 
@@ -102,7 +103,7 @@ void PixelAreas::measure(const Step& step) {
             else
                 tally_.add(d.area, step, to_double(d.f), double{d.g});
         }
-    for (uint32_t camera = 0; !step.bundles.empty() && camera < cameras(); ++camera) measure_bundles(step, camera);
+    if (!step.bundles.empty()) measure_bundles(step);
     for (uint32_t camera = 0; camera < cameras(); ++camera)
         tbb::parallel_for(uint32_t{0}, cameras_[camera].width * cameras_[camera].height, [&](uint32_t pixel) {
             const FlushDenormals flush;

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "lumel/accel/accel.h"
+#include "lumel/areas/bundle_field.h"
 #include "lumel/areas/tally.h"
 #include "lumel/scene/camera.h"
 #include "lumel/scene/surface.h"
@@ -16,10 +17,10 @@ namespace lumel {
 ///     f/p = L_in w_s |ds/dA| / p      g/p = lum(w_s) |ds/dA| / (a_bar p)
 /// a_bar is the mean of lum(a_s) over the pixel, 0 for what is not gloss, so that g integrates to 1 over pixels half on gloss as well.
 /// ([WIS] averages over the surface's area instead.) Gathered samples join as for patches; their points are drawn on the pixel.
-/// A bundle brings the light of a whole patch, which every pixel reflects by its own lobe.
+/// What a bundle brings is interpolated between patches, and every pixel reflects it by its own lobe.
 class PixelAreas {
 public:
-    PixelAreas(const Accel& accel, std::vector<Camera> cameras);
+    PixelAreas(const Accel& accel, const Lattice& lattice, std::vector<Camera> cameras);
 
     uint32_t cameras() const { return static_cast<uint32_t>(cameras_.size()); }
     const Camera& camera(uint32_t index) const { return cameras_[index]; }
@@ -47,6 +48,7 @@ private:
     void find_receivers();
     void find_albedo();
     void shoot_side(const Step& step, uint32_t side, std::vector<Deposit>& deposits) const;
+    void measure_bundles(const Step& step);
     void measure_bundles(const Step& step, uint32_t camera);
     /// Gather, or with nothing to gather look now and then what the density covers.
     void look(const Step& step, uint32_t camera, uint32_t pixel);
@@ -55,6 +57,7 @@ private:
     const Scene* scene_;
     std::vector<Camera> cameras_;
     std::vector<uint32_t> receivers_;  // glossy sides that face any camera
+    BundleField field_;                // on these
     std::vector<size_t> first_;   // per camera: its first area
     std::vector<double> albedo_;  // per area
     Tally tally_;

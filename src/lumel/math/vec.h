@@ -60,6 +60,7 @@ constexpr Rgb64 operator*(Rgb64 c, double s) { return {c.x * s, c.y * s, c.z * s
 constexpr Rgb64 operator*(Rgb64 a, Rgb64 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 constexpr Rgb64 operator+(Rgb64 a, Rgb64 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 constexpr Rgb64 operator-(Rgb64 a, Rgb64 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+constexpr bool operator==(Rgb64 a, Rgb64 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 constexpr double lum(Rgb64 c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
 }  // namespace lumel

@@ -19,9 +19,18 @@ void RowSweep::resize(uint32_t width, uint32_t patches) {
     spans_[kBehind] = {.depth_at_0 = kFar, .end = kNone, .patch = patches + 1, .parity = RowSpan::kOpenParity};
 }
 
+/// Two neighbours have seen each other up to before pixel `x`.
+inline void RowSweep::exchange_until(uint32_t x, const RowSpan& near, const RowSpan& far) {
+    const uint32_t pixels = x - near.since;
+    exchange(lights_[near.patch], lights_[far.patch], pixels);
+    if (unturned_ == 0 || !near.faces_like(far)) return;
+    const Rgb both = PatchLight::colour(lights_[near.patch].sent_along + lights_[far.patch].sent_against);
+    counters_.mispaired += to_double(both) * static_cast<double>(pixels);
+}
+
 inline void RowSweep::part(RowSpan& near, uint32_t x) {
     const RowSpan& far = spans_[near.farther];
-    exchange(lights_[near.patch], lights_[far.patch], x - near.since);
+    exchange_until(x, near, far);
     unturned_ -= near.faces_like(far);
 }
 
@@ -57,8 +66,7 @@ inline bool RowSweep::replace(uint32_t ending, uint32_t beginning, uint32_t x) {
     RowSpan &old = spans_[ending], &span = spans_[beginning], &near = spans_[old.nearer], &far = spans_[old.farther];
     const double depth = span.depth(x);
     if (near.end == x || far.end == x || !(near.depth(x) < depth && depth < far.depth(x))) return false;
-    exchange(lights_[near.patch], lights_[old.patch], x - near.since);
-    exchange(lights_[old.patch], lights_[far.patch], x - old.since);
+    exchange_until(x, near, old), exchange_until(x, old, far);
     span.nearer = old.nearer, span.farther = old.farther;
     near.farther = far.nearer = last_ = beginning;
     near.since = span.since = x;

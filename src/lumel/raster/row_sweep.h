@@ -82,6 +82,7 @@ private:
     void remove(uint32_t ending, uint32_t x);
     void insert(uint32_t beginning, uint32_t x);
     void sort(uint32_t x);
+    void exchange_until(uint32_t x, const RowSpan& near, const RowSpan& far);
     void part(RowSpan& near, uint32_t x);
     void meet(RowSpan& near, uint32_t x);
     void check_order(const RowSpan& near, const RowSpan& far, uint32_t x);

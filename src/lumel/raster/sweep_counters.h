@@ -17,13 +17,15 @@ struct SweepCounters {
     /// Lines that enter and leave closed surfaces unequally often, or have two neighbouring fragments of one closed surface that face the
     /// same way: cracks, self-intersections, and depths that cannot be told apart.
     uint64_t parity_violations = 0;
-    Rgb64 escaped;  ///< radiance sent by sides that see nothing, summed over pixels; times pixel_area it is W/sr
+    // Radiance, summed over pixels; times pixel_area it is W/sr.
+    Rgb64 escaped;  ///< sent by sides that see nothing
+    Rgb64 mispaired;  ///< exchanged, both ways, between neighbours of one closed surface that face the same way
 
     SweepCounters& operator+=(const SweepCounters& other) {
         directions += other.directions, fragments += other.fragments, lines += other.lines, pairs += other.pairs;
         most_depth = std::max(most_depth, other.most_depth);
         parity_violations += other.parity_violations;
-        escaped += other.escaped;
+        escaped += other.escaped, mispaired += other.mispaired;
         return *this;
     }
 };

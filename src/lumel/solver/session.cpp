@@ -35,7 +35,7 @@ Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& 
     const bool in_pixels = config.areas == AreaKind::kPixels;
     PatchAreas patches(scene_, eyes_of(cameras_), in_pixels ? std::vector<uint32_t>{} : visible_glossy_sides(accel_, lattice_, cameras_));
     solver_.emplace(accel_, defensive_, config_.solver, std::move(patches));
-    if (in_pixels) solver_->measure_pixels(PixelAreas(accel_, cameras_));
+    if (in_pixels) solver_->measure_pixels(PixelAreas(accel_, lattice_, cameras_));
     if (config_.weight_diffuse.value_or(is_auto && config_.solver.defensive > 0)) solver_->weigh_irradiance();
 }
 

@@ -28,7 +28,7 @@ uint32_t window_of(const Scene& scene) {
 BundleStats& BundleStats::operator+=(const BundleStats& o) {
     raster += o.raster;
     window = std::max(window, o.window);
-    sent += o.sent, received += o.received, escaped += o.escaped;
+    sent += o.sent, received += o.received, escaped += o.escaped, mispaired += o.mispaired;
     return *this;
 }
 
@@ -71,7 +71,8 @@ BundleStats BundleCaster::cast_one(Vec3 direction, uint64_t stream, Scratch& scr
     }
     const double pixel = window.pixel_area;
     stats.window = window_;
-    stats.sent *= pixel, stats.received *= pixel, stats.escaped = lum(stats.raster.escaped) * pixel;
+    stats.sent *= pixel, stats.received *= pixel;
+    stats.escaped = lum(stats.raster.escaped) * pixel, stats.mispaired = lum(stats.raster.mispaired) * pixel;
     return stats;
 }
 

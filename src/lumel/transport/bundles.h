@@ -16,7 +16,10 @@ namespace lumel {
 struct BundleStats {
     SweepCounters raster;
     uint32_t window = 0;  ///< pixels of an edge
-    double sent = 0, received = 0, escaped = 0;  ///< lum of the flux that left sides, that arrived at sides, and that left the scene, W/sr
+    // lum of flux, W/sr
+    double sent = 0, received = 0;  ///< that left sides, and that arrived at sides
+    double escaped = 0;             ///< that left the scene
+    double mispaired = 0;           ///< see SweepCounters: what arrived at sides that no light of a sound mesh goes between
 
     BundleStats& operator+=(const BundleStats& o);
 };

@@ -74,7 +74,8 @@ void IteratedBundles::iterate(const Sink* sink) {
         light.along(direction, radiance);
         add_reflected(chains_[i], direction, at, radiance);
     };
-    caster_.cast(directions, key(stream, kWindow), sent, bundles_, stats_);
+    BundleStats unmeasured;
+    caster_.cast(directions, key(stream, kWindow), sent, bundles_, sink ? stats_ : unmeasured);
 
     Emitters all = std::move(source);
     add(*scene_, reflected_, key(stream, kMerge, 1), all);

@@ -19,7 +19,7 @@ private:
         Vec3 direction;
         std::vector<Rgb> irradiance;
     };
-    /// One direction for every chain; without a sink nothing is measured.
+    /// One direction for every chain; without a sink nothing is measured or counted.
     void iterate(const Sink* sink);
     /// Add what a chain sends along a line, the shading normals being those at `at` of each patch.
     void add_reflected(const Chain& chain, Vec3 direction, Square at, std::span<Rgb> sent) const;
