@@ -51,11 +51,18 @@ TEST(FewHits, a_hit_of_the_neighbours_has_the_size_of_one_here) {
 }
 
 TEST(FewHits, enough_hits_are_left_alone) {
-    const Samples own = hits_of(5, kHit, kBright);
+    const Samples own = hits_of(8, kHit, kBright);
     const Estimate e = weighted(own, neighbours());
     expect_near(e.value, own.f * (1 / own.g), 1e-12);
     expect_near(e.value, weighted(own, {}).value, 0);
     expect_near(automatic(own, neighbours()).value, corrected(own, dim_radiance(own, neighbours())).value, 0);
+}
+
+TEST(FewHits, many_hits_are_trusted_even_if_one_outweighs_the_rest) {
+    Samples own = hits_of(1, kHit, kBright);
+    const double few = missing_hits(own, neighbours());
+    own.hits = 200;
+    EXPECT_LT(missing_hits(own, neighbours()), 1e-4 * few);
 }
 
 TEST(FewHits, without_a_hit_the_neighbours_stand_in) {
@@ -76,9 +83,9 @@ TEST(FewHits, a_faint_hit_does_not_speak_for_the_whole_lobe) {
 }
 
 TEST(FewHits, the_step_from_few_to_enough_has_no_jump) {
-    for (Rule rule : kRules) {
-        const Estimate below = rule(hits_of(kFewHits - 1e-9, kHit, kBright), neighbours()),
-                       above = rule(hits_of(kFewHits + 1e-9, kHit, kBright), neighbours());
+    for (const auto& [rule, enough] : {std::pair{kRules[0], kFewHits}, std::pair{kRules[1], kEnoughHits}}) {
+        const Estimate below = rule(hits_of(enough - 1e-9, kHit, kBright), neighbours()),
+                       above = rule(hits_of(enough + 1e-9, kHit, kBright), neighbours());
         expect_near(below.value, above.value, 1e-6);
         expect_near(below.variance, above.variance, 1e-6);
     }

@@ -7,9 +7,6 @@
 
 namespace lumel {
 
-/// An area with fewer effective hits than this is no witness of its own light.
-inline constexpr double kFewHits = 4;
-
 /// What one hit of the neighbours would have added to G of the area: the mean of what hits add, by what they add. 0: they have none.
 inline double hit_size(const Samples& own, const Samples& around) {
     return around.g > 0 ? around.gg / around.g * (around.size / own.size) : 0;

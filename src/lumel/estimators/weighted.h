@@ -13,6 +13,9 @@ inline Estimate ratio(const Samples& s) {
     return {value, control_variance(s, value) * (inv * inv)};
 }
 
+/// An area that has less than as many hits of its neighbours would make of G is no witness of its own light.
+inline constexpr double kFewHits = 4;
+
 /// Consistent, with a bias of order 1/n. Needs 5 sums an area. Not where a small bright surface lights the scene: an area that was hit
 /// from there alone takes all of its lobe to be that bright. Where G is less than what a few hits of the neighbours would make of it, these
 /// hits join: (F + h F'/G') / (G + h) with h what is missing.
