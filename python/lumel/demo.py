@@ -15,7 +15,7 @@ import numpy as np
 from . import demo_figure
 from .errors import OutputError
 from .images.compare import Comparison, compare
-from .images.files import write_files
+from .images.files import write_pictures
 from .images.png import encode_png
 from .progress import Progress
 from .readers import load
@@ -76,7 +76,7 @@ def run(directory: Path, progress: Show | None = None) -> list[str]:
         },
         EXPOSURE,
     )
-    write_files(files)
+    write_pictures(files)
     return [
         f"{SECONDS[-1]:g} s each, against a run of {rays_of(reference) / 1e6:.1f} M rays with another seed:",
         *(caption(r) for r in last),
