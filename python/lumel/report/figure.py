@@ -1,0 +1,56 @@
+"""What a figure of the report is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+Cell = str | float | int
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG: `name` is that of its file without ending, `label` stands below it, `alt` in its place."""
+
+    name: str
+    label: str
+    alt: str
+    png: bytes
+    size: tuple[int, int]  # pixels
+
+
+@dataclass(frozen=True)
+class Curve:
+    """An SVG: `alt` says what it shows."""
+
+    name: str
+    alt: str
+    svg: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """Numbers, written as CSV too; a cell that is nan stands for what could not be measured."""
+
+    name: str
+    caption: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One figure: `shows` says what is seen and how it was made, `claim` what paper and theory say of it, `found` what was measured.
+
+    Words between `backquotes` are code; line breaks mean nothing. `pictures` come in rows of `columns`.
+    """
+
+    title: str
+    scene: str
+    shows: str
+    claim: str
+    found: Sequence[str]
+    pictures: Sequence[Picture] = ()
+    columns: int = 3
+    curves: Sequence[Curve] = ()
+    tables: Sequence[Table] = ()

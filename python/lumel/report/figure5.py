@@ -1,0 +1,79 @@
+"""Figure 5 of the paper: the estimate of one area of interest over iterations, classical against weighted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import iterations, plots
+from .areas import Doubles, Truth
+from .figure import Curve, Figure, Table
+from .iterations import ESTIMATORS, TRANSPORTS, Iterations
+from .lab import BOX, Lab
+from .pictures import LUMINANCE
+
+WORKS = iterations.WORKS
+WELL_HIT = (0.4, 0.6)  # quantiles of the hits of the areas to choose from
+
+
+def make(lab: Lab) -> Figure:
+    """Estimates of an area that was chosen by its truth and its hits, not by what the estimators made of it."""
+    runs, truth = iterations.of_box(lab), lab.truth(BOX)
+    area = chosen(runs, truth)
+    T = float(truth.value[area] @ LUMINANCE)
+    noise = float(np.sqrt(truth.variance[area] @ LUMINANCE**2))
+    shown = {key: value[:, :, area] @ LUMINANCE for key, value in runs.value.items()}  # runs, iterations
+    rows = [
+        (transport, name, run, at, float(found[run, i]))
+        for (transport, name), found in shown.items()
+        for run in range(runs.runs)
+        for i, at in enumerate(runs.at)
+    ]
+    return Figure(
+        title="Figure 5: one area of interest over iterations",
+        scene=lab.scene(BOX).source,
+        shows=f"""The light that one glossy patch sends to the eye (luminance), as estimated after so many iterations of figure 4:
+        the first run drawn in full, others thin. The plain line is the truth, {T:.3g} W/(m² sr) with a standard error of
+        {noise:.1g}. The patch is the one of median light among those that were hit about as often as most: it was chosen without a
+        look at the estimates.""",
+        claim="""Figure 5 of the paper follows one area of interest. The classical estimate jumps whenever a sample with a large f/p
+        lands there; the weighted one divides it by the g/p that came with it.""",
+        found=[_found(runs, shown, transport, T) for transport in TRANSPORTS],
+        curves=[Curve("figure5", "estimates of one patch over iterations, by transport and estimator", _draw(runs, shown, T))],
+        tables=[Table("figure5", "Luminance, W/(m² sr)", ("transport", "estimator", "run", "iterations", "estimate"), rows)],
+    )
+
+
+def chosen(runs: Iterations, truth: Truth) -> int:
+    """The area of median luminance among those in the middle by hits."""
+    hits = runs.hits["rays", "weighted"][:, -1].mean(axis=0)
+    low, high = np.quantile(hits, WELL_HIT)
+    middle = np.flatnonzero((hits >= low) & (hits <= high))
+    luminance = truth.value[middle] @ LUMINANCE
+    return int(middle[np.argsort(luminance)[len(middle) // 2]])
+
+
+def _found(runs: Iterations, shown: dict[tuple[str, str], Doubles], transport: str, truth: float) -> str:
+    def spread(name: str, i: int) -> str:
+        return f"{np.sqrt(np.mean((shown[transport, name][:, i] - truth) ** 2)) / truth:.0%}"
+
+    middle = len(runs.at) // 2
+    return f"{transport.capitalize()}, RMSE of the runs over the truth: " + "; ".join(
+        f"after {runs.at[i]} iterations {', '.join(f'{spread(name, i)} `{name}`' for name in ESTIMATORS)}" for i in (middle, -1)
+    )
+
+
+def _draw(runs: Iterations, shown: dict[tuple[str, str], Doubles], truth: float) -> str:
+    with plots.panels(TRANSPORTS, share_y=True) as (figure, axes):
+        for panel, transport in zip(axes, TRANSPORTS, strict=True):
+            panel.axhline(truth, color=plots.INK, linewidth=1.2)
+            for name in ESTIMATORS:
+                first, *others = shown[transport, name]
+                for other in others:
+                    panel.plot(runs.at, other, color=plots.COLOURS[name], linewidth=0.7, alpha=0.35)
+                plots.line(panel, runs.at, first, name)
+            panel.set(xscale="log", xlabel="iterations")
+            plots.plain_ticks(panel, [2.0**i for i in range(int(np.log2(runs.at[-1])) + 1)])
+        axes[0].set_ylabel("radiance towards the eye, W/(m² sr)")
+        axes[0].set_ylim(0, 2.5 * truth)
+        axes[0].legend()
+        return plots.to_svg(figure, "figure5")
