@@ -6,7 +6,7 @@ import numpy as np
 
 from . import iterations, plots
 from .areas import Doubles, Truth
-from .figure import Curve, Figure, Table
+from .figure import Curve, Figure, Table, gain, times
 from .iterations import DIRECTIONS, ESTIMATORS, RAYS, SOLVE, TRANSPORTS, Iterations
 from .lab import BOX, Lab
 
@@ -49,11 +49,11 @@ def relative_rmse(truth: Truth, value: Doubles) -> tuple[Doubles, Doubles]:
 
 
 def _found(runs: Iterations, last: dict[tuple[str, str], float], transport: str) -> str:
-    gains = [(last[transport, "classical"] / last[transport, name]) ** 2 for name in ESTIMATORS[1:]]
+    gains = [times(gain(last[transport, "classical"] ** 2, last[transport, name] ** 2)) for name in ESTIMATORS[1:]]
     cost = runs.seconds[transport, "weighted"] / runs.seconds[transport, "classical"]
     return (
-        f"{transport.capitalize()}, after {runs.at[-1]} iterations: the mean square error of `classical` is {gains[0]:.3g} times that of "
-        f"`weighted` and {gains[1]:.3g} times that of `auto`; a weighted iteration takes {cost:.2f} times as long as a classical one."
+        f"{transport.capitalize()}, after {runs.at[-1]} iterations: the mean square error of `classical` is {gains[0]} that of "
+        f"`weighted` and {gains[1]} that of `auto`; a weighted iteration takes {cost:.2f} times as long as a classical one."
     )
 
 
@@ -65,7 +65,8 @@ def _draw(runs: Iterations, error: dict[tuple[str, str], tuple[Doubles, Doubles]
                 mean, spread = error[transport, name]
                 plots.line(panel, x, mean, name, error=spread)
             plots.slope(panel, x, 0.5 * float(error[transport, "weighted"][0][0]), -0.5, "n$^{-1/2}$")
-            panel.set(xscale="log", yscale="log", xlabel="iterations")
+            panel.set(xscale="log", xlabel="iterations")
+            plots.logarithmic(panel)
             plots.plain_ticks(panel, [2.0**i for i in range(int(np.log2(x[-1])) + 1)])
         axes[0].set_ylabel("relative RMSE of the light in gloss")
         axes[0].legend()

@@ -6,13 +6,13 @@ import numpy as np
 
 from . import iterations, plots
 from .areas import Doubles, Truth
-from .figure import Curve, Figure, Table
+from .figure import Curve, Figure, Table, gain
 from .iterations import ESTIMATORS, Iterations
 from .lab import BOX, Lab
 
 WORKS = iterations.WORKS
 TRANSPORT = "rays"
-FEWEST = 200  # areas of a run that a bin must hold
+FEWEST = 100  # areas, over all iterations and runs, that a bin must hold
 
 
 def make(lab: Lab) -> Figure:
@@ -20,8 +20,8 @@ def make(lab: Lab) -> Figure:
     runs, truth = iterations.of_box(lab), lab.truth(BOX)
     found = {name: by_hits(runs, truth, name) for name in ESTIMATORS}
     common = sorted(set.intersection(*(set(bins) for bins in found.values())))
-    gain = {name: [(found["classical"][b] / found[name][b]) ** 2 for b in common] for name in ESTIMATORS[1:]}
-    rows = [(2**b, *(found[name][b] for name in ESTIMATORS), *(gain[name][i] for name in gain)) for i, b in enumerate(common)]
+    gains = {name: [gain(found["classical"][b] ** 2, found[name][b] ** 2) for b in common] for name in ESTIMATORS[1:]}
+    rows = [(2**b, *(found[name][b] for name in ESTIMATORS), *(gains[name][i] for name in gains)) for i, b in enumerate(common)]
     most = max(rows, key=lambda row: float(row[4])) if rows else None
     return Figure(
         title="Gain by hits",
@@ -30,9 +30,11 @@ def make(lab: Lab) -> Figure:
         each estimator by its own. Left: relative RMSE; right: how many times larger the mean square error of `classical` is.""",
         claim="""Not in the paper. With few hits a ratio has a bias of order 1/n, and may take one bright sample for the whole lobe;
         with many it keeps a constant gain, that of [WIS] equation 3.""",
-        found=[f"Largest gain of `weighted`: {most[4]:.3g} at {most[0]} hits and more; of `auto` there {most[5]:.3g}."] if most else [],
-        curves=[Curve("hits", "error and gain by hits", _draw(common, found, gain))],
-        tables=[Table("hits", "By hits", ("hits, from", *(f"RMSE {n}" for n in ESTIMATORS), *(f"gain of {n}" for n in gain)), rows)],
+        found=[f"Largest gain of `weighted`: {most[4]:.3g} at {most[0]} hits and more; of `auto` there {most[5]:.3g}."]
+        if most
+        else ["There are too few areas to tell."],
+        curves=[Curve("hits", "error and gain by hits", _draw(common, found, gains))],
+        tables=[Table("hits", "By hits", ("hits, from", *(f"RMSE {n}" for n in ESTIMATORS), *(f"gain of {n}" for n in gains)), rows)],
     )
 
 
@@ -46,16 +48,18 @@ def by_hits(runs: Iterations, truth: Truth, estimator: str) -> dict[int, float]:
     return {b: float(np.sqrt(mean)) for b, mean in found.items() if mean > 0}
 
 
-def _draw(bins: list[int], found: dict[str, dict[int, float]], gain: dict[str, list[float]]) -> str:
+def _draw(bins: list[int], found: dict[str, dict[int, float]], gains: dict[str, list[float]]) -> str:
     x = [2.0**b * np.sqrt(2) for b in bins]
     with plots.panels(("error", "gain over classical")) as (figure, (left, right)):
         for name in ESTIMATORS:
             plots.line(left, x, [found[name][b] for b in bins], name)
-        for name, gains in gain.items():
-            plots.line(right, x, gains, name)
+        for name, by_bin in gains.items():
+            plots.line(right, x, by_bin, name)
         right.axhline(1, color=plots.INK, linewidth=1)
         for panel in (left, right):
-            panel.set(xscale="log", yscale="log", xlabel="hits of the area")
+            panel.set(xscale="log", xlabel="hits of the area")
+            plots.logarithmic(panel)
+            plots.plain_ticks(panel, [4.0**i for i in range(1, 9) if min(x, default=1) <= 4.0**i <= max(x, default=1)])
             panel.legend()
         left.set_ylabel("relative RMSE")
         right.set_ylabel("MSE of classical / MSE")

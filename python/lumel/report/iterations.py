@@ -15,9 +15,10 @@ from .areas import Doubles, values
 from .budget import until
 from .lab import BOX, Lab
 
-MOST, FEWEST = 64, 4  # iterations
+MOST, FEWEST = 32, 4  # iterations
 MOST_RUNS = 16
-SOLVE, RAYS, DIRECTIONS = 1 << 17, 1 << 17, 16  # of an iteration
+FIRST_RUN = 0.3  # share of the time, at most: it says how many iterations all runs have
+SOLVE, RAYS, DIRECTIONS = 1 << 18, 1 << 18, 32  # of an iteration
 TRANSPORTS = ("rays", "bundles")
 READ = {"classical": ("classical",), "weighted": ("weighted", "auto")}  # estimators by session
 ESTIMATORS = ("classical", "weighted", "auto")
@@ -53,7 +54,7 @@ def of_box(lab: Lab) -> Iterations:
         lab.begin("areas of interest over iterations")
         seconds = lab.budget.take("iterations")
         began, more = time.monotonic(), until(seconds)
-        runs = [_run(lab, 0, MOST, seconds)]
+        runs = [_run(lab, 0, MOST, FIRST_RUN * seconds)]
         took, last = time.monotonic() - began, runs[0].at[-1]
         for seed in range(1, MOST_RUNS):
             if time.monotonic() - began + 0.8 * took > seconds or not more():

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 COLOURS = {"classical": "#d55e00", "weighted": "#0072b2", "regression": "#cc79a7", "auto": "#009e73"}
 MARKS = {"classical": "o", "weighted": "s", "regression": "^", "auto": "D"}
 INK = "#010203"  # stands for the colour of the text in the page
-PANEL = (4.4, 3.3)  # inches
+PANEL = (5.2, 3.6)  # inches
 _STYLE = {
     "svg.fonttype": "none",
     "svg.hashsalt": "lumel",
@@ -77,6 +77,19 @@ def plain_ticks(axes: Axes, x: Sequence[float], text: Sequence[str] | None = Non
     """Ticks at `x` of a logarithmic axis, written as plain numbers."""
     axes.set_xticks(list(x), list(text or [f"{value:g}" for value in x]))
     axes.minorticks_off()
+
+
+def logarithmic(axes: Axes) -> None:
+    """Make the y axis logarithmic if anything on it is above 0, with ticks in plain numbers, more than one a decade where it has few."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    if not any(np.any(np.asarray(drawn.get_ydata(), np.float64) > 0) for drawn in axes.get_lines()):
+        return
+    axes.set_yscale("log")
+    low, high = axes.get_ylim()
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0,) if high > 300 * low else (1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_locator(NullLocator())
 
 
 def to_svg(figure: Figure, name: str) -> str:

@@ -14,7 +14,7 @@ from ..scene import FloatArray
 from .lab import BUST, Lab
 
 SEEDS = (1001, 1002)  # of the two runs; none of the runs that are judged has one of these
-GATHERED = 64.0
+GATHERED = 32.0
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,11 @@ class Reference:
 
     def error(self, result: Result) -> float:
         """relMSE of the light in gloss on the pixels that have any, less the noise of the reference."""
-        return gloss.relmse(result.layer(gloss.LAYER), self.light, self.variance)
+        return self.error_of_light(result.layer(gloss.LAYER))
+
+    def error_of_light(self, light: FloatArray) -> float:
+        """The same of a layer, (h, w, 3)."""
+        return gloss.relmse(light, self.light, self.variance)
 
     def error_of_picture(self, result: Result) -> float:
         """relMSE of the whole picture, less the noise of the reference."""

@@ -10,7 +10,7 @@ import numpy as np
 from . import plots
 from .areas import Doubles, Subject, Truth, truth_within, values
 from .budget import until
-from .figure import Curve, Figure, Table
+from .figure import Curve, Figure, Table, gain
 from .iterations import READ
 from .lab import BOX, Lab
 
@@ -30,12 +30,12 @@ def make(lab: Lab) -> Figure:
     for alpha in ALPHAS:
         lab.begin(f"gloss of roughness {alpha:g}")
         found[alpha] = errors(lab, with_roughness(lab.subject(BOX), alpha), each)
-    gain = {n: [(found[a]["classical"][0] / found[a][n][0]) ** 2 for a in ALPHAS] for n in ESTIMATORS[1:]}
+    gains = {n: [gain(found[a]["classical"][0] ** 2, found[a][n][0] ** 2) for a in ALPHAS] for n in ESTIMATORS[1:]}
     rows = [
-        (a, *(found[a][n][0] for n in ESTIMATORS), *(gain[n][i] for n in gain), found[a]["classical"][1], found[a]["weighted"][1])
+        (a, *(found[a][n][0] for n in ESTIMATORS), *(gains[n][i] for n in gains), found[a]["classical"][1], found[a]["weighted"][1])
         for i, a in enumerate(ALPHAS)
     ]
-    head = ("alpha", *(f"RMSE {n}" for n in ESTIMATORS), *(f"gain of {n}" for n in gain), "time of classical, s", "time of weighted, s")
+    head = ("alpha", *(f"RMSE {n}" for n in ESTIMATORS), *(f"gain of {n}" for n in gains), "time of classical, s", "time of weighted, s")
     return Figure(
         title="Gain by roughness",
         scene=lab.scene(BOX).source,
@@ -44,8 +44,8 @@ def make(lab: Lab) -> Figure:
         in view; right: how many times larger the mean square error of `classical` is.""",
         claim="""The paper wants to mend shooting on specular surfaces in view. The narrower the lobe, the more f/p varies from
         sample to sample, and the more there is to gain from dividing by g/p, provided that the lobe is hit at all.""",
-        found=[f"The gain of `{name}` is {min(gain[name]):.3g} to {max(gain[name]):.3g}." for name in gain],
-        curves=[Curve("roughness", "error and gain by roughness", _draw(found, gain))],
+        found=[f"The gain of `{name}` is {min(gains[name]):.3g} to {max(gains[name]):.3g}." for name in gains],
+        curves=[Curve("roughness", "error and gain by roughness", _draw(found, gains))],
         tables=[Table("roughness", "By roughness", head, rows)],
     )
 
@@ -80,16 +80,17 @@ def _mean_square(truth: Truth, value: Doubles) -> float:
     return float(truth.error(value).mean() / truth.mean**2)
 
 
-def _draw(found: dict[float, dict[str, tuple[float, float]]], gain: dict[str, list[float]]) -> str:
+def _draw(found: dict[float, dict[str, tuple[float, float]]], gains: dict[str, list[float]]) -> str:
     x = list(found)
     with plots.panels(("error at equal time", "gain over classical")) as (figure, (left, right)):
         for name in ESTIMATORS:
             plots.line(left, x, [found[a][name][0] for a in x], name)
-        for name, gains in gain.items():
-            plots.line(right, x, gains, name)
+        for name, by_alpha in gains.items():
+            plots.line(right, x, by_alpha, name)
         right.axhline(1, color=plots.INK, linewidth=1)
         for panel in (left, right):
-            panel.set(xscale="log", yscale="log", xlabel="roughness alpha")
+            panel.set(xscale="log", xlabel="roughness alpha")
+            plots.logarithmic(panel)
             plots.plain_ticks(panel, x)
             panel.legend()
         left.set_ylabel("relative RMSE")

@@ -10,7 +10,7 @@ from .figure import Curve, Figure, Table
 from .lab import BUST, Lab
 from .references import Reference
 
-WORKS = {"reference": 36.0, "transports": 66.0}
+WORKS = {"reference": 36.0, "transports": 48.0}
 
 
 def make(lab: Lab) -> Figure:
