@@ -67,8 +67,8 @@ def make(lab: Lab) -> Figure:
     return Figure(
         title=f"Figure 6: ray bundles at {size[0]}x{size[1]}, without and with weighting, at equal directions",
         scene=lab.scene(BUST).source,
-        shows=f"""{directions} directions of bundles each, the light in gloss measured in pixels, nothing gathered, first shot included. Above
-        the pictures, below the light in gloss alone, magnified. The reference is the mean of {reference.made}; its own noise,
+        shows=f"""{directions} directions of bundles each, the light in gloss measured in pixels, nothing gathered, first shot included.
+        Above the pictures, below the light in gloss alone, magnified. The reference is the mean of {reference.made}; its own noise,
         {reference.noise:.2g} as relMSE, is subtracted.""",
         claim="""Figure 6 of the paper shows 800x800 pixels by ray bundles, without and with weighting, after 28 s on one core of 1.4 GHz,
         first shot included. A bundle sees the whole hemisphere, so that a ratio needs no defensive part.""",

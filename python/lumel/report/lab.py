@@ -11,6 +11,7 @@ from ..readers import load
 from ..render import render, with_camera
 from ..result import Result
 from ..scene import Scene
+from . import machine
 from .areas import Subject, Truth, truth_within
 from .budget import Budget, until
 
@@ -35,6 +36,7 @@ class Lab:
     threads: int = 0
     show: Callable[[str, float], None] = lambda *_: None
     doing: str = ""
+    load: float = field(default_factory=machine.load)  # of the machine, before the start
     _kept: dict[str, Any] = field(default_factory=dict)
 
     def begin(self, doing: str) -> None:

@@ -6,18 +6,16 @@ import base64
 import csv
 import io
 import math
-import os
-import platform
 import re
 from collections.abc import Mapping
 from datetime import datetime
-from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, select_autoescape
 from markupsafe import Markup, escape
 
 from .figure import Cell, Figure, Table
 from .lab import Lab
+from .machine import load, processors
 
 PAPER = """L. Szirmay-Kalos, Gy. Antal, B. Balázs: "Weighted Importance Sampling in Shooting Algorithms",
 Spring Conference on Computer Graphics 2003"""
@@ -37,7 +35,7 @@ def page(figures: Mapping[str, Figure], command: str, lab: Lab) -> str:
         command=command,
         paper=PAPER,
         version=__version__,
-        machine=machine(),
+        machine=f"{processors()}; load {lab.load:.1f} before the start, {load():.1f} at the end",
         date=f"{datetime.now().astimezone():%d %B %Y, %H:%M %Z}",
         seconds=lab.budget.elapsed,
     )
@@ -57,14 +55,6 @@ def shown(value: Cell) -> str:
     if isinstance(value, float):
         return f"{value:.3g}" if math.isfinite(value) else "-"
     return f"{value:,}" if isinstance(value, int) else value
-
-
-def machine() -> str:
-    """Processors that may be used, their name, the system, and how busy it is."""
-    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    name = next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.processor())
-    threads, load = len(os.sched_getaffinity(0)), os.getloadavg()
-    return f"{threads} threads of {name}, {platform.system()}; load {load[2]:.1f} over the last 15 minutes, {load[0]:.1f} at the end"
 
 
 def _prose(text: str) -> Markup:
