@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from ..errors import Problem, SettingsError
-from . import options, progress, text, values
+from . import options, progress, values
 from .errors import reporting
 
 
@@ -39,7 +39,7 @@ def report(
         if problems:
             raise SettingsError(problems)
         from ..readers import load
-        from ..report.run import SECONDS, Order, run
+        from ..report.run import PAGE, SECONDS, Order, run
 
         given = load(scene, defines=defines, lenient=lenient) if scene is not None else None
         flags = {"-o": str(output), "--scene": scene, "--time": time, "--size": size, "--patches": patches, "--threads": threads}
@@ -59,4 +59,4 @@ def report(
         if not quiet:
             for figure in figures.values():
                 print(figure.title, *(f"  {line.replace('`', '')}" for line in figure.found), sep="\n")
-            print(f"wrote {files[0]} and {text.count(len(files) - 1, 'files')} beside it")
+            print(f"wrote {output / PAGE} and {len(files)} files beside it")

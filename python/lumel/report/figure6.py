@@ -55,7 +55,7 @@ def make(lab: Lab) -> Figure:
     """Pictures of both at the size of the paper, beside a reference."""
     size = lab.size or SIZE
     lab.begin("figure 6: reference")
-    reference = references.make(lab, BUST, lab.budget.take("figure6 reference"), areas="pixels", size=size)
+    reference = references.make(lab, BUST, lab.budget.take("figure6 reference"), size=size)
     lab.begin("figure 6: bundles at equal directions")
     shots = _shots(lab, size, lab.budget.take("figure6"))
     directions = shots[ESTIMATORS[0]].session.directions
@@ -68,8 +68,8 @@ def make(lab: Lab) -> Figure:
         title=f"Figure 6: ray bundles at {size[0]}x{size[1]}, without and with weighting, at equal directions",
         scene=lab.scene(BUST).source,
         shows=f"""{directions} directions of bundles each, the light in gloss measured in pixels, nothing gathered, first shot included.
-        Above the pictures, below the light in gloss alone, magnified. The reference is the mean of {reference.made}; its own noise,
-        {reference.noise:.2g} as relMSE, is subtracted.""",
+        Above the pictures, below the light in gloss alone, magnified. The reference measures patches, by rays: it is the mean of
+        {reference.made}; its own noise, {reference.noise:.2g} as relMSE, is subtracted.""",
         claim="""Figure 6 of the paper shows 800x800 pixels by ray bundles, without and with weighting, after 28 s on one core of 1.4 GHz,
         first shot included. A bundle sees the whole hemisphere, so that a ratio needs no defensive part.""",
         found=[

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar, cast
 
+from ..errors import Problem, SceneError
 from ..progress import Progress
 from ..readers import load
 from ..render import render, with_camera
@@ -85,6 +86,14 @@ class Lab:
         def make() -> Truth:
             self.begin("truth of the areas of interest")
             more = until(self.budget.take("truth"))
-            return truth_within(self.subject(name), more)
+            truth = truth_within(self.subject(name), more)
+            self.check_lit(name, truth.mean)
+            return truth
 
         return self.once(f"truth {name}", make)
+
+    def check_lit(self, name: str, light: float) -> None:
+        """Raise SceneError where `light`, the mean light in gloss of scene `name`, is none."""
+        if not light > 0:
+            found = "no light comes over other surfaces to what is glossy in view"
+            raise SceneError(Problem(f"{found}: a report has nothing to compare", self.scene(name).source or None))

@@ -63,7 +63,9 @@ def make(lab: Lab, scene: str, seconds: float, **settings: Any) -> Reference:
     runs = [lab.render(scene, time=seconds / 2, seed=seed, **settings) for seed in SEEDS]
     taken = sum(float(str(run.stats["time"])) for run in runs)
     made = f"two runs of `auto` with {GATHERED:g} gathering rays and seeds {SEEDS[0]} and {SEEDS[1]}, {taken:.1f} s together"
-    return mean_of(made, *runs)
+    reference = mean_of(made, *runs)
+    lab.check_lit(scene, float(reference.light.mean()))
+    return reference
 
 
 def of_bust(lab: Lab) -> Reference:

@@ -38,7 +38,8 @@ class Order:
 
 
 def run(directory: Path, order: Order, show: Show | None = None) -> tuple[dict[str, Figure], list[Path]]:
-    """Make the figures, write the page and all files beside it to `directory` (made where missing); gives the figures and the files.
+    """Make the figures, write the page and all files beside it to `directory` (made where missing); gives the figures and the files
+    beside the page.
 
     Other files there are left alone; those of an earlier report are replaced, all at once. Raises SettingsError, SceneError where
     nothing glossy is seen, or OutputError; then nothing has been changed.
@@ -50,12 +51,14 @@ def run(directory: Path, order: Order, show: Show | None = None) -> tuple[dict[s
         _check_scenes(lab)
         figures = {name: FIGURES[name].make(lab) for name in names}
         lab.begin("writing")
-        files = {directory / PAGE: page(figures, order.command, lab).encode()}
+        files: dict[Path, bytes] = {}
         for figure in figures.values():
             files |= {directory / f"{picture.name}.png": picture.png for picture in figure.pictures}
             files |= {directory / f"{curve.name}.svg": curve.svg.encode() for curve in figure.curves}
             files |= {directory / f"{table.name}.csv": to_csv(table).encode() for table in figure.tables}
-        write_files(files)
+        write_files(
+            files | {directory / PAGE: page(figures, order.command, lab).encode()}
+        )  # the page last: it is never newer than its files
     return figures, list(files)
 
 
