@@ -7,7 +7,7 @@ from pathlib import Path
 
 from generated import SCENES, write
 
-from lumel.report.machine import load, processors
+from lumel.machine import load, processors
 
 NAMES = ("bust", "cornell_glossy", "courtyard", "gallery", "spotlit")
 

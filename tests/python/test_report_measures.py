@@ -9,11 +9,12 @@ import pytest
 
 from lumel import gloss
 from lumel.quadrature.student import t_quantile
-from lumel.report import coverage, figure4, hits
+from lumel.report import coverage, figure4, figure5, hits
 from lumel.report.areas import Truth
 from lumel.report.figure import gain, times
 from lumel.report.iterations import ESTIMATORS, TRANSPORTS, Iterations, looks
 from lumel.report.pictures import exposure_for, part_with_detail
+from lumel.scene import Camera
 
 AREAS = 20_000
 NOISE = 0.3  # standard deviation of what is judged
@@ -86,6 +87,13 @@ def test_looks_are_dense_at_first_and_end_with_the_last() -> None:
     assert looks(64)[:4] == [1, 2, 3, 4]
     assert looks(64)[-1] == 64
     assert len(looks(64)) < 30
+
+
+def test_a_point_is_found_in_the_picture() -> None:
+    camera = Camera.look_at("eye", (1, 2, 3), (1, 2, 0), fov=90, width=200, height=100)  # looks along -z: right is +x
+    assert figure5.pixel_of(camera, (1, 2, 0)) == pytest.approx((100, 50))
+    assert figure5.pixel_of(camera, (4, 2, 0)) == pytest.approx((200, 50))
+    assert figure5.pixel_of(camera, (1, 3.5, 0)) == pytest.approx((100, 0))
 
 
 def test_the_part_with_detail_is_where_light_varies() -> None:

@@ -58,5 +58,5 @@ def report(
             figures, files = run(output, order, shown)
         if not quiet:
             for figure in figures.values():
-                print(figure.title, *(f"  {line.replace('`', '')}" for line in figure.found), sep="\n")
+                print(figure.title, *(f"  {' '.join(line.replace('`', '').split())}" for line in figure.found), sep="\n")
             print(f"wrote {output / PAGE} and {len(files)} files beside it")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -88,8 +88,3 @@ def truth_within(subject: Subject, more: Callable[[], bool], rays: int = RAYS) -
         subject.replica(session, rays // 2, rays)
         done += 1
     return Truth.measured(session)
-
-
-def values(session: _core.Session, estimator: str) -> Mapping[str, Doubles]:
-    """The areas of the first camera as an estimator has them: see `_core.Session.areas`."""
-    return session.areas(0, estimator)

@@ -30,7 +30,8 @@ class Budget:
         """Begin `work`; gives the seconds that it may take. What one work takes too long is shared by those after it."""
         left = self.started + self.seconds * (1 - DRAWING) - time.monotonic()
         share = self._waiting[work] / sum(self._waiting.values())
-        return max(0.0, left) * share if self._waiting.pop(work) else 0.0
+        del self._waiting[work]
+        return max(0.0, left) * share
 
 
 def until(seconds: float) -> Callable[[], bool]:

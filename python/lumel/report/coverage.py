@@ -9,7 +9,7 @@ import numpy as np
 from ..quadrature.student import t_quantile
 from ..settings import GATHER
 from . import plots
-from .areas import Doubles, Truth, values
+from .areas import Doubles, Truth
 from .budget import until
 from .figure import Curve, Figure, Table
 from .lab import BOX, Lab
@@ -71,7 +71,7 @@ def _runs(lab: Lab, truth: Truth, gather: float, seconds: float) -> dict[str, Do
         for _ in range(REPLICAS):
             subject.replica(session, SOLVE, RAYS)
         for name in ESTIMATORS:
-            found = values(session, name)
+            found = session.areas(0, name)
             shares[name].append(covered(found["value"], found["variance"], truth))
         lab.tell()
     return {name: np.array(by) for name, by in shares.items()}

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
-from . import iterations, plots
+from ..scene import Camera
+from . import iterations, pictures, plots
 from .areas import Doubles, Truth
-from .figure import Curve, Figure, Table
+from .figure import Curve, Figure, Picture, Table
 from .iterations import ESTIMATORS, TRANSPORTS, Iterations
 from .lab import BOX, Lab
 from .pictures import LUMINANCE
 
-WORKS = iterations.WORKS
+WORKS = {**iterations.WORKS, "figure5": 3.0}
+RING = 0.04  # radius of the mark, of the width of the picture
 WELL_HIT = (0.4, 0.6)  # quantiles of the hits of the areas to choose from
 
 
@@ -31,13 +34,15 @@ def make(lab: Lab) -> Figure:
     return Figure(
         title="Figure 5: one area of interest over iterations",
         scene=lab.scene(BOX).source,
-        shows=f"""The light that one glossy patch sends to the eye (luminance), as estimated after so many iterations of figure 4:
+        shows=f"""The light that one glossy patch sends to the eye (ringed; luminance), as estimated after so many iterations of figure 4:
         the first run drawn in full, others thin. The plain line is the truth, {T:.3g} W/(m² sr) with a standard error of
         {noise:.1g}. The patch is the one of median light among those that were hit about as often as most: it was chosen without a
         look at the estimates.""",
         claim="""Figure 5 of the paper follows one area of interest. The classical estimate jumps whenever a sample with a large f/p
         lands there; the weighted one divides it by the g/p that came with it.""",
         found=[_found(runs, shown, transport, T) for transport in TRANSPORTS],
+        pictures=[_where(lab, int(truth.index[area]))],
+        columns=4,
         curves=[Curve("figure5", "estimates of one patch over iterations, by transport and estimator", _draw(runs, shown, T))],
         tables=[Table("figure5", "Luminance, W/(m² sr)", ("transport", "estimator", "run", "iterations", "estimate"), rows)],
     )
@@ -50,6 +55,25 @@ def chosen(runs: Iterations, truth: Truth) -> int:
     middle = np.flatnonzero((hits >= low) & (hits <= high))
     luminance = truth.value[middle] @ LUMINANCE
     return int(middle[np.argsort(luminance)[len(middle) // 2]])
+
+
+def _where(lab: Lab, index: int) -> Picture:
+    """The scene with a ring around the patch `index`."""
+    lab.begin("the patch of figure 5")
+    image = lab.render(BOX, estimator="auto", time=lab.budget.take("figure5")).image()
+    core, camera = lab.subject(BOX).core, lab.scene(BOX).cameras[0]
+    centre = core.patch_geometry()[index % core.patches, 1:4]
+    return pictures.ringed("figure5", image, pixel_of(camera, centre), RING, "the patch", "the scene, with a ring around the patch")
+
+
+def pixel_of(camera: Camera, point: npt.ArrayLike) -> tuple[float, float]:
+    """Where `camera` sees `point` (3,), in pixels from the upper left corner."""
+    left, up, forward, origin = np.asarray(camera.to_world, np.float64)[:3].T
+    to_point = np.asarray(point, np.float64) - origin
+    tan_x, tan_y = camera.tan_half()
+    depth = to_point @ forward / np.linalg.norm(forward)
+    right, down = (-(to_point @ axis) / np.linalg.norm(axis) / depth for axis in (left, up))
+    return float(1 + right / tan_x) / 2 * camera.width, float(1 + down / tan_y) / 2 * camera.height
 
 
 def _found(runs: Iterations, shown: dict[tuple[str, str], Doubles], transport: str, truth: float) -> str:

@@ -12,7 +12,7 @@ from .lab import BOX, Lab
 
 WORKS = iterations.WORKS
 TRANSPORT = "rays"
-FEWEST = 100  # areas, over all iterations and runs, that a bin must hold
+FEWEST = 50  # areas, over all iterations and runs, that a bin must hold
 
 
 def make(lab: Lab) -> Figure:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .areas import Doubles, values
+from .areas import Doubles
 from .budget import until
 from .lab import BOX, Lab
 
@@ -89,7 +89,7 @@ def _run(lab: Lab, seed: int, last: int, seconds: float) -> Iterations:
             at.append(iteration)
             for (transport, name), session in sessions.items():
                 for estimator in READ[name]:
-                    found = values(session, estimator)
+                    found = session.areas(0, estimator)
                     value[transport, estimator].append(found["value"])
                     hits[transport, estimator].append(np.where(found["borrowed"] == 0, found["hits"], 0))
         if over:

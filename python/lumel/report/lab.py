@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar, cast
 
+from .. import machine
 from ..errors import Problem, SceneError
 from ..progress import Progress
 from ..readers import load
 from ..render import render, with_camera
 from ..result import Result
 from ..scene import Scene
-from . import machine
 from .areas import Subject, Truth, truth_within
 from .budget import Budget, until
 

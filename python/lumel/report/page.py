@@ -13,9 +13,9 @@ from datetime import datetime
 from jinja2 import Environment, PackageLoader, select_autoescape
 from markupsafe import Markup, escape
 
+from ..machine import load, processors
 from .figure import Cell, Figure, Table
 from .lab import Lab
-from .machine import load, processors
 
 PAPER = """L. Szirmay-Kalos, Gy. Antal, B. Balázs: "Weighted Importance Sampling in Shooting Algorithms",
 Spring Conference on Computer Graphics 2003"""

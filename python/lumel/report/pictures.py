@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+from PIL import Image, ImageDraw
 
-from ..images.png import encode_bytes, encode_png
+from ..images.png import encode_bytes, encode_png, to_bytes
 from ..scene import FloatArray
 from .figure import Picture
 
@@ -30,6 +31,17 @@ def shown(name: str, image: FloatArray, exposure: float, label: str, alt: str) -
     """`image` (h, w, 3), linear, at `exposure` (EV)."""
     height, width = image.shape[:2]
     return Picture(name, label, alt, encode_png(np.asarray(image, np.float32), exposure=exposure), (width, height))
+
+
+def ringed(name: str, image: FloatArray, at: tuple[float, float], radius: float, label: str, alt: str) -> Picture:
+    """`image` (h, w, 3), linear, with a ring around the pixel `at` (x, y), whose radius is a share of the width."""
+    height, width = image.shape[:2]
+    picture = Image.fromarray(to_bytes(image, exposure_for(image)), "RGB")
+    draw, size = ImageDraw.Draw(picture), max(2.0, radius * width)
+    box = [at[0] - size, at[1] - size, at[0] + size, at[1] + size]
+    draw.ellipse(box, outline="black", width=3)
+    draw.ellipse(box, outline="white", width=1)
+    return Picture(name, label, alt, encode_bytes(np.asarray(picture)), (width, height))
 
 
 def part_with_detail(light: npt.ArrayLike) -> Part:

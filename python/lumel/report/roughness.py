@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import plots
-from .areas import Doubles, Subject, Truth, truth_within, values
+from .areas import Doubles, Subject, Truth, truth_within
 from .budget import until
 from .figure import Curve, Figure, Table, gain
 from .iterations import READ
@@ -72,7 +72,7 @@ def errors(lab: Lab, subject: Subject, seconds: float) -> dict[str, tuple[float,
                 subject.replica(session, STEP_SOLVE, STEP)
             for estimator in read:
                 taken[estimator] += (time.monotonic() - began) / RUNS
-                squared[estimator].append(_mean_square(truth, values(session, estimator)["value"]))
+                squared[estimator].append(_mean_square(truth, session.areas(0, estimator)["value"]))
     return {name: (float(np.sqrt(max(0.0, float(np.mean(found))))), taken[name]) for name, found in squared.items()}
 
 

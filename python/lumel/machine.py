@@ -1,4 +1,4 @@
-"""On what a report was made."""
+"""The machine that measures."""
 
 from __future__ import annotations
 
