@@ -91,9 +91,9 @@ def test_looks_are_dense_at_first_and_end_with_the_last() -> None:
 
 def test_a_point_is_found_in_the_picture() -> None:
     camera = Camera.look_at("eye", (1, 2, 3), (1, 2, 0), fov=90, width=200, height=100)  # looks along -z: right is +x
-    assert figure5.pixel_of(camera, (1, 2, 0)) == pytest.approx((100, 50))
-    assert figure5.pixel_of(camera, (4, 2, 0)) == pytest.approx((200, 50))
-    assert figure5.pixel_of(camera, (1, 3.5, 0)) == pytest.approx((100, 0))
+    found = figure5.seen_at(camera, [(1, 2, 0), (4, 2, 0), (1, 3.5, 0), (1, 2, 4)])
+    np.testing.assert_allclose(found, [(100, 50), (200, 50), (100, 0), (np.nan, np.nan)], atol=1e-9)
+    assert figure5.well_inside(found, camera).tolist() == [True, False, False, False]
 
 
 def test_the_part_with_detail_is_where_light_varies() -> None:

@@ -7,13 +7,14 @@ import numpy.typing as npt
 
 from ..scene import Camera
 from . import iterations, pictures, plots
-from .areas import Doubles, Truth
+from .areas import Doubles, Indices, Truth
 from .figure import Curve, Figure, Picture, Table
 from .iterations import ESTIMATORS, TRANSPORTS, Iterations
 from .lab import BOX, Lab
 from .pictures import LUMINANCE
 
 WORKS = {**iterations.WORKS, "figure5": 3.0}
+MARGIN = 0.15  # of the picture, in which no patch is chosen
 RING = 0.04  # radius of the mark, of the width of the picture
 WELL_HIT = (0.4, 0.6)  # quantiles of the hits of the areas to choose from
 
@@ -21,7 +22,8 @@ WELL_HIT = (0.4, 0.6)  # quantiles of the hits of the areas to choose from
 def make(lab: Lab) -> Figure:
     """Estimates of an area that was chosen by its truth and its hits, not by what the estimators made of it."""
     runs, truth = iterations.of_box(lab), lab.truth(BOX)
-    area = chosen(runs, truth)
+    pixels = pixels_of(lab, truth.index)
+    area = chosen(runs, truth, well_inside(pixels, lab.scene(BOX).cameras[0]))
     T = float(truth.value[area] @ LUMINANCE)
     noise = float(np.sqrt(truth.variance[area] @ LUMINANCE**2))
     shown = {key: value[:, :, area] @ LUMINANCE for key, value in runs.value.items()}  # runs, iterations
@@ -34,46 +36,59 @@ def make(lab: Lab) -> Figure:
     return Figure(
         title="Figure 5: one area of interest over iterations",
         scene=lab.scene(BOX).source,
-        shows=f"""The light that one glossy patch sends to the eye (ringed; luminance), as estimated after so many iterations of figure 4:
-        the first run drawn in full, others thin. The plain line is the truth, {T:.3g} W/(m² sr) with a standard error of
-        {noise:.1g}. The patch is the one of median light among those that were hit about as often as most: it was chosen without a
-        look at the estimates.""",
+        shows=f"""The light that one glossy patch, ringed above, sends to the eye (luminance), as estimated after so many iterations of
+        figure 4: the first run in full, others thin. The plain line is the truth, {T:.3g} W/(m² sr) with a standard error of
+        {noise:.1g}. Of the patches that were hit about as often as most it is the one of median light: it was chosen without a look at
+        the estimates.""",
         claim="""Figure 5 of the paper follows one area of interest. The classical estimate jumps whenever a sample with a large f/p
         lands there; the weighted one divides it by the g/p that came with it.""",
         found=[_found(runs, shown, transport, T) for transport in TRANSPORTS],
-        pictures=[_where(lab, int(truth.index[area]))],
+        pictures=[_where(lab, pixels[area])],
         columns=4,
         curves=[Curve("figure5", "estimates of one patch over iterations, by transport and estimator", _draw(runs, shown, T))],
         tables=[Table("figure5", "Luminance, W/(m² sr)", ("transport", "estimator", "run", "iterations", "estimate"), rows)],
     )
 
 
-def chosen(runs: Iterations, truth: Truth) -> int:
-    """The area of median luminance among those in the middle by hits."""
+def well_inside(pixels: Doubles, camera: Camera) -> npt.NDArray[np.bool_]:
+    """Which of `pixels` (n, 2) are not near the border of the picture; all where none is."""
+    share = pixels / (camera.width, camera.height)
+    inside = np.all((share > MARGIN) & (share < 1 - MARGIN), axis=-1)
+    return inside if inside.any() else np.ones(len(pixels), bool)
+
+
+def chosen(runs: Iterations, truth: Truth, candidates: npt.NDArray[np.bool_]) -> int:
+    """The area of median luminance among those of the candidates (n,) in the middle by hits."""
     hits = runs.hits["rays", "weighted"][:, -1].mean(axis=0)
-    low, high = np.quantile(hits, WELL_HIT)
-    middle = np.flatnonzero((hits >= low) & (hits <= high))
+    low, high = np.quantile(hits[candidates], WELL_HIT)
+    middle = np.flatnonzero(candidates & (hits >= low) & (hits <= high))
     luminance = truth.value[middle] @ LUMINANCE
     return int(middle[np.argsort(luminance)[len(middle) // 2]])
 
 
-def _where(lab: Lab, index: int) -> Picture:
-    """The scene with a ring around the patch `index`."""
+def pixels_of(lab: Lab, index: Indices) -> Doubles:
+    """Where the camera sees the centres of areas, (n, 2), in pixels from the upper left corner."""
+    core, camera = lab.subject(BOX).core, lab.scene(BOX).cameras[0]
+    return seen_at(camera, core.patch_geometry()[index % core.patches, 1:4])
+
+
+def seen_at(camera: Camera, points: npt.ArrayLike) -> Doubles:
+    """Where `camera` sees `points` (n, 3), as (n, 2) pixels from the upper left corner; nan behind it."""
+    left, up, forward, origin = np.asarray(camera.to_world, np.float64)[:3].T
+    there = np.asarray(points, np.float64) - origin
+    depth = there @ forward / np.linalg.norm(forward)
+    depth = np.where(depth > 0, depth, np.nan)
+    offset = np.stack([-(there @ axis) / np.linalg.norm(axis) / depth for axis in (left, up)], axis=-1)
+    return np.asarray((1 + offset / camera.tan_half()) / 2 * (camera.width, camera.height))
+
+
+def _where(lab: Lab, pixel: Doubles) -> Picture:
+    """The scene with a ring around `pixel`."""
     lab.begin("the patch of figure 5")
     image = lab.render(BOX, estimator="auto", time=lab.budget.take("figure5")).image()
-    core, camera = lab.subject(BOX).core, lab.scene(BOX).cameras[0]
-    centre = core.patch_geometry()[index % core.patches, 1:4]
-    return pictures.ringed("figure5", image, pixel_of(camera, centre), RING, "the patch", "the scene, with a ring around the patch")
-
-
-def pixel_of(camera: Camera, point: npt.ArrayLike) -> tuple[float, float]:
-    """Where `camera` sees `point` (3,), in pixels from the upper left corner."""
-    left, up, forward, origin = np.asarray(camera.to_world, np.float64)[:3].T
-    to_point = np.asarray(point, np.float64) - origin
-    tan_x, tan_y = camera.tan_half()
-    depth = to_point @ forward / np.linalg.norm(forward)
-    right, down = (-(to_point @ axis) / np.linalg.norm(axis) / depth for axis in (left, up))
-    return float(1 + right / tan_x) / 2 * camera.width, float(1 + down / tan_y) / 2 * camera.height
+    return pictures.ringed(
+        "figure5", image, (float(pixel[0]), float(pixel[1])), RING, "the patch", "the scene, with a ring around the patch"
+    )
 
 
 def _found(runs: Iterations, shown: dict[tuple[str, str], Doubles], transport: str, truth: float) -> str:
