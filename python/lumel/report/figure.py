@@ -65,3 +65,9 @@ def gain(classical: float, other: float) -> float:
 def times(gain: float) -> str:
     """`4.39 times`."""
     return f"{gain:.3g} times" if math.isfinite(gain) else "an unknown number of times"
+
+
+def span(gains: Sequence[float]) -> str:
+    """`1.2 to 9.1`, of those that are known."""
+    known = [gain for gain in gains if math.isfinite(gain)]
+    return f"{min(known):.3g} to {max(known):.3g}" if known else "unknown"

@@ -86,9 +86,8 @@ def _where(lab: Lab, pixel: Doubles) -> Picture:
     """The scene with a ring around `pixel`."""
     lab.begin("the patch of figure 5")
     image = lab.render(BOX, estimator="auto", time=lab.budget.take("figure5")).image()
-    return pictures.ringed(
-        "figure5", image, (float(pixel[0]), float(pixel[1])), RING, "the patch", "the scene, with a ring around the patch"
-    )
+    x, y = float(pixel[0]), float(pixel[1])
+    return pictures.ringed("figure5", image, (x, y), RING, "the patch", "the scene, with a ring around the patch")
 
 
 def _found(runs: Iterations, shown: dict[tuple[str, str], Doubles], transport: str, truth: float) -> str:

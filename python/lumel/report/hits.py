@@ -6,7 +6,7 @@ import numpy as np
 
 from . import iterations, plots
 from .areas import Doubles, Truth
-from .figure import Curve, Figure, Table, gain
+from .figure import Curve, Figure, Table, gain, span
 from .iterations import ESTIMATORS, Iterations
 from .lab import BOX, Lab
 
@@ -22,7 +22,6 @@ def make(lab: Lab) -> Figure:
     common = sorted(set.intersection(*(set(bins) for bins in found.values())))
     gains = {name: [gain(found["classical"][b] ** 2, found[name][b] ** 2) for b in common] for name in ESTIMATORS[1:]}
     rows = [(2**b, *(found[name][b] for name in ESTIMATORS), *(gains[name][i] for name in gains)) for i, b in enumerate(common)]
-    most = max(rows, key=lambda row: float(row[4])) if rows else None
     return Figure(
         title="Gain by hits",
         scene=lab.scene(BOX).source,
@@ -30,9 +29,7 @@ def make(lab: Lab) -> Figure:
         each estimator by its own. Left: relative RMSE; right: how many times larger the mean square error of `classical` is.""",
         claim="""Not in the paper. With few hits a ratio has a bias of order 1/n, and may take one bright sample for the whole lobe;
         with many it keeps a constant gain, that of [WIS] equation 3.""",
-        found=[f"Largest gain of `weighted`: {most[4]:.3g} at {most[0]} hits and more; of `auto` there {most[5]:.3g}."]
-        if most
-        else ["There are too few areas to tell."],
+        found=[f"From {2 ** min(common)} to {2 ** (max(common) + 1)} hits the gain of `{n}` is {span(gains[n])}." for n in gains if common],
         curves=[Curve("hits", "error and gain by hits", _draw(common, found, gains))],
         tables=[Table("hits", "By hits", ("hits, from", *(f"RMSE {n}" for n in ESTIMATORS), *(f"gain of {n}" for n in gains)), rows)],
     )

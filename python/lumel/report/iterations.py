@@ -85,7 +85,7 @@ def _run(lab: Lab, seed: int, last: int, seconds: float) -> Iterations:
             spent[key] += time.monotonic() - before
         lab.tell()
         over = iteration >= FEWEST and not more()
-        if iteration in looks(last) or over:
+        if iteration in looks(MOST) or iteration == last or over:
             at.append(iteration)
             for (transport, name), session in sessions.items():
                 for estimator in READ[name]:
@@ -102,7 +102,7 @@ def _joined(runs: list[Iterations]) -> Iterations:
     first = runs[0]
     return Iterations(
         first.at,
-        {key: np.array([run.value[key] for run in runs if run.at == first.at]) for key in first.value},
-        {key: np.array([run.hits[key] for run in runs if run.at == first.at]) for key in first.hits},
+        {key: np.array([run.value[key] for run in runs]) for key in first.value},
+        {key: np.array([run.hits[key] for run in runs]) for key in first.hits},
         {key: float(np.mean([run.seconds[key] for run in runs])) for key in first.seconds},
     )

@@ -10,7 +10,7 @@ import numpy as np
 from . import plots
 from .areas import Doubles, Subject, Truth, truth_within
 from .budget import until
-from .figure import Curve, Figure, Table, gain
+from .figure import Curve, Figure, Table, gain, span
 from .iterations import READ
 from .lab import BOX, Lab
 
@@ -44,7 +44,7 @@ def make(lab: Lab) -> Figure:
         in view; right: how many times larger the mean square error of `classical` is.""",
         claim="""The paper wants to mend shooting on specular surfaces in view. The narrower the lobe, the more f/p varies from
         sample to sample, and the more there is to gain from dividing by g/p, provided that the lobe is hit at all.""",
-        found=[f"The gain of `{name}` is {min(gains[name]):.3g} to {max(gains[name]):.3g}." for name in gains],
+        found=[f"The gain of `{name}` is {span(gains[name])}." for name in gains],
         curves=[Curve("roughness", "error and gain by roughness", _draw(found, gains))],
         tables=[Table("roughness", "By roughness", head, rows)],
     )
@@ -70,8 +70,9 @@ def errors(lab: Lab, subject: Subject, seconds: float) -> dict[str, tuple[float,
             subject.replica(session, STEP_SOLVE, STEP)
             while more():
                 subject.replica(session, STEP_SOLVE, STEP)
+            spent = time.monotonic() - began
             for estimator in read:
-                taken[estimator] += (time.monotonic() - began) / RUNS
+                taken[estimator] += spent / RUNS
                 squared[estimator].append(_mean_square(truth, session.areas(0, estimator)["value"]))
     return {name: (float(np.sqrt(max(0.0, float(np.mean(found))))), taken[name]) for name, found in squared.items()}
 

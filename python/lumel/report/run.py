@@ -38,8 +38,7 @@ class Order:
 
 
 def run(directory: Path, order: Order, show: Show | None = None) -> tuple[dict[str, Figure], list[Path]]:
-    """Make the figures, write the page and all files beside it to `directory` (made where missing); gives the figures and the files
-    beside the page.
+    """Make the figures, and write the page and all files beside it to `directory` (made where missing); gives figures and these files.
 
     Other files there are left alone; those of an earlier report are replaced, all at once. Raises SettingsError, SceneError where
     nothing glossy is seen, or OutputError; then nothing has been changed.
@@ -56,9 +55,8 @@ def run(directory: Path, order: Order, show: Show | None = None) -> tuple[dict[s
             files |= {directory / f"{picture.name}.png": picture.png for picture in figure.pictures}
             files |= {directory / f"{curve.name}.svg": curve.svg.encode() for curve in figure.curves}
             files |= {directory / f"{table.name}.csv": to_csv(table).encode() for table in figure.tables}
-        write_files(
-            files | {directory / PAGE: page(figures, order.command, lab).encode()}
-        )  # the page last: it is never newer than its files
+        # The page comes last: it is never newer than the files beside it.
+        write_files(files | {directory / PAGE: page(figures, order.command, lab).encode()})
     return figures, list(files)
 
 
@@ -77,9 +75,8 @@ def _check_scenes(lab: Lab) -> None:
     """Raise SceneError where the estimators have nothing to differ in."""
     for name in (BUST, BOX) if lab.given is None else (BUST,):
         if lab.subject(name).session(0).stats["measured_sides"] == 0:
-            raise SceneError(
-                Problem("the first camera sees nothing glossy: a report compares the light in gloss", lab.scene(name).source or None)
-            )
+            found = "the first camera sees nothing glossy"
+            raise SceneError(Problem(f"{found}: a report compares the light in gloss", lab.scene(name).source or None))
 
 
 @contextmanager
