@@ -75,16 +75,16 @@ class Truth:
 
 
 GATHERED = 64.0  # gathering rays an area and 2^20 shooting rays, of a truth
-RAYS = 1 << 20  # of each of its replicas, after a solve of half as many
+RAYS = 1 << 18  # of each of its replicas, after a solve of half as many
 FEWEST_REPLICAS = 4
 TRUTH_SEED = 987_654_321
 
 
-def truth_within(subject: Subject, more: Callable[[], bool], rays: int = RAYS) -> Truth:
-    """Many gathering rays for each area of `subject`: replicas of `rays` while there is time for `more`, FEWEST_REPLICAS at least."""
+def truth_within(subject: Subject, more: Callable[[], bool]) -> Truth:
+    """Many gathering rays for each area of `subject`: replicas while there is time for `more`, FEWEST_REPLICAS at least."""
     session = subject.session(TRUTH_SEED, gather=GATHERED)
     done = 0
     while done < FEWEST_REPLICAS or more():
-        subject.replica(session, rays // 2, rays)
+        subject.replica(session, RAYS // 2, RAYS)
         done += 1
     return Truth.measured(session)

@@ -19,7 +19,6 @@ ALPHAS = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
 ESTIMATORS = ("classical", "weighted", "auto")
 RUNS = 3  # with seeds of their own
 TRUTH_SHARE = 0.3  # of the time of a roughness
-TRUTH_RAYS = 1 << 19  # of a replica of the truth
 STEP_SOLVE, STEP = 1 << 16, 1 << 16  # rays of a replica
 
 
@@ -59,7 +58,7 @@ def with_roughness(subject: Subject, alpha: float) -> Subject:
 def errors(lab: Lab, subject: Subject, seconds: float) -> dict[str, tuple[float, float]]:
     """Relative RMSE of every estimator, and the seconds that a run of it took."""
     lab.tell()
-    truth = truth_within(subject, until(seconds * TRUTH_SHARE), TRUTH_RAYS)
+    truth = truth_within(subject, until(seconds * TRUTH_SHARE))
     each = seconds * (1 - TRUTH_SHARE) / (RUNS * len(READ))
     squared: dict[str, list[float]] = {name: [] for name in ESTIMATORS}
     taken = dict.fromkeys(ESTIMATORS, 0.0)
