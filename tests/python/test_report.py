@@ -111,8 +111,6 @@ def test_tables_hold_numbers(report: Path) -> None:
             cells = {head: cell for head, cell in row.items() if not head.startswith("gain")}  # nan where noise hides it
             assert "nan" not in cells.values()
             assert "inf" not in row.values()
-    times = [float(row["time, s"]) for row in read_table(report / "transports.csv")]
-    assert max(times) < 4 * min(times)  # equal time, to the grain of what cannot be divided
 
 
 def test_a_figure_alone_replaces_its_files_and_no_others(report: Path) -> None:
@@ -144,8 +142,7 @@ def refusal(order: Order, folder: Path) -> str:
     return str(caught.value)
 
 
-def test_orders_are_checked_before_any_work(tmp_path: Path) -> None:
-    began = time.monotonic()
+def test_orders_that_cannot_be_carried_out_leave_nothing(tmp_path: Path) -> None:
     assert "unknown figure 'figure3'; did you mean 'figure" in refusal(Order(only=("figure3",)), tmp_path)
     assert "coverage, figure2, figure4" in refusal(Order(only=("nothing",)), tmp_path)
     said = refusal(Order(only=("figur2",), seconds=0, size=(0, 9), patches=-1, threads=-2), tmp_path)
@@ -154,7 +151,6 @@ def test_orders_are_checked_before_any_work(tmp_path: Path) -> None:
     assert "sees nothing glossy" in refusal(Order(lumel.load("lumel:cube")), tmp_path)
     (tmp_path / "report").write_text("a file", encoding="utf-8")
     assert "cannot make the folder" in refusal(Order(), tmp_path)
-    assert time.monotonic() - began < 5
 
 
 def test_a_page_in_the_way_is_refused(tmp_path: Path) -> None:

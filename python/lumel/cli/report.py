@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -42,18 +43,8 @@ def report(
         from ..report.run import PAGE, SECONDS, Order, run
 
         given = load(scene, defines=defines, lenient=lenient) if scene is not None else None
-        flags = {"-o": str(output), "--scene": scene, "--time": time, "--size": size, "--patches": patches, "--threads": threads}
-        words = [word for flag, value in flags.items() if value is not None for word in (flag, f"{value}")]
-        words += [word for pair in define or [] for word in ("-D", pair)] + ["--lenient"] * lenient
-        order = Order(
-            given,
-            tuple(only or ()),
-            SECONDS if time is None else time,
-            pixels,
-            count,
-            threads or 0,
-            shlex.join(["lumel", "report", *words]),
-        )
+        seconds = SECONDS if time is None else time
+        order = Order(given, tuple(only or ()), seconds, pixels, count, threads or 0, shlex.join(["lumel", *sys.argv[1:]]))
         with progress.showing_stages(quiet=quiet) as shown:
             figures, files = run(output, order, shown)
         if not quiet:

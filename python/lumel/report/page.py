@@ -22,8 +22,8 @@ Spring Conference on Computer Graphics 2003"""
 _CODE = re.compile(r"`([^`]+)`")
 
 
-def page(figures: Mapping[str, Figure], command: str, lab: Lab) -> str:
-    """The HTML of a report."""
+def page(figures: Mapping[str, Figure], command: str, whole: bool, lab: Lab) -> str:
+    """The HTML of a report that `command` made; a `whole` one has all figures there are."""
     from .. import __version__
 
     environment = Environment(
@@ -33,6 +33,7 @@ def page(figures: Mapping[str, Figure], command: str, lab: Lab) -> str:
     return environment.get_template("page.html").render(
         figures=figures,
         command=command,
+        whole=whole,
         paper=PAPER,
         version=__version__,
         machine=f"{processors()}; load {lab.load:.1f} before the start, {load():.1f} at the end",

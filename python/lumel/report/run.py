@@ -26,7 +26,10 @@ Show = Callable[[str, float], None]
 
 @dataclass(frozen=True)
 class Order:
-    """What was asked for: `scene` None for those of the figures, `only` empty for all; `size` and `patches` None for the defaults."""
+    """What was asked for: `scene` None for those of the figures, `only` empty for all; `size` and `patches` None for the defaults.
+
+    `command` is the line that asked for it.
+    """
 
     scene: Scene | None = None
     only: Sequence[str] = ()
@@ -56,7 +59,7 @@ def run(directory: Path, order: Order, show: Show | None = None) -> tuple[dict[s
             files |= {directory / f"{curve.name}.svg": curve.svg.encode() for curve in figure.curves}
             files |= {directory / f"{table.name}.csv": to_csv(table).encode() for table in figure.tables}
         # The page comes last: it is never newer than the files beside it.
-        write_files(files | {directory / PAGE: page(figures, order.command, lab).encode()})
+        write_files(files | {directory / PAGE: page(figures, order.command, not order.only, lab).encode()})
     return figures, list(files)
 
 
