@@ -44,12 +44,11 @@ def make(lab: Lab) -> Figure:
     return Figure(
         title="Coverage of the error bars",
         scene=lab.scene(BOX).source,
-        shows=f"""Share of the {len(truth.index)} glossy patches in view whose interval holds the truth, over the level that it
-        claims: Student's t of {REPLICAS} replicas, ray shooting, {runs}. Left as `lumel render` works, right shooting alone. The
-        noise of the truth is added to the intervals. A point on the diagonal is an honest error bar; one below it promises too
-        much.""",
-        claim="""Not in the paper. Replicas are independent, so that their spread tells the error where hits are many. With few hits
-        all replicas may have missed the brightest part of a lobe, and no spread can tell.""",
+        shows=f"""Share of the {len(truth.index)} glossy patches in view whose interval holds the truth, over the level that it claims:
+        Student's t of {REPLICAS} replicas, ray shooting, {runs}. Left as `lumel render` works, right shooting alone. The noise of the
+        truth is added to the intervals. A point on the diagonal is an honest error bar; one below it promises too much.""",
+        claim="""Not in the paper. Replicas are independent, so that their spread tells the error where hits are many. With few hits all
+        replicas may have missed the brightest part of a lobe, and no spread can tell.""",
         found=[
             f"Intervals of 95 %, {kind}: "
             + ", ".join(f"{mean[kind][n][QUOTED]:.1%} ± {error[kind][n][QUOTED]:.1%} `{n}`" for n in ESTIMATORS)

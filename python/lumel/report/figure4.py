@@ -26,13 +26,13 @@ def make(lab: Lab) -> Figure:
     return Figure(
         title="Figure 4: error over iterations, classical against weighted, rays and bundles",
         scene=lab.scene(BOX).source,
-        shows=f"""Root mean square error of the light in gloss over the {len(truth.index)} glossy patches in view, divided by their
-        mean light, after so many iterations: {runs.said} with standard errors. An iteration solves with {SOLVE:,} rays and shoots
-        {RAYS:,} rays, or {DIRECTIONS} directions of bundles, from what it solved. Nothing is gathered. `auto`, ours, reads the very
-        samples of `weighted`. The truth gathers many rays an area, with another seed; its noise is subtracted.""",
-        claim="""Figure 4 of the paper plots the errors of plain and of weighted shooting over iterations. Each should fall with the square
-        root of the iterations, as the dashed guide does, and the weighted one lie below where g is nearer to the integrand than p is
-        ([WIS] section 2), for rays and for bundles.""",
+        shows=f"""Root mean square error of the light in gloss over the {len(truth.index)} glossy patches in view, divided by their mean
+        light, after so many iterations: {runs.said}. An iteration solves with {SOLVE:,} rays and shoots {RAYS:,} rays, or {DIRECTIONS}
+        directions of bundles, from what it solved. Nothing is gathered. `auto`, ours, reads the very samples of `weighted`. The truth
+        gathers many rays an area, with another seed; its noise is subtracted.""",
+        claim="""Figure 4 of the paper plots the errors of plain and of weighted shooting over iterations. Each should fall with the
+        square root of the iterations, as the dashed guide does, and the weighted one lie below where g is nearer to the integrand than
+        p is ([WIS] section 2), for rays and for bundles.""",
         found=[_found(runs, last, transport) for transport in TRANSPORTS],
         curves=[Curve("figure4", "error over iterations by transport and estimator", _draw(runs, error))],
         tables=[Table("figure4", "Relative RMSE", ("transport", "estimator", "iterations", "relative RMSE", "standard error"), rows)],

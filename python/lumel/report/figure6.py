@@ -70,8 +70,8 @@ def make(lab: Lab) -> Figure:
         shows=f"""{directions} directions of bundles each, the light in gloss measured in pixels, nothing gathered, first shot included.
         Above the pictures, below the light in gloss alone, magnified. The reference measures patches, by rays: it is the mean of
         {reference.made}; its own noise, {reference.noise:.2g} as relMSE, is subtracted.""",
-        claim="""Figure 6 of the paper shows 800x800 pixels by ray bundles, without and with weighting, after 28 s on one core of 1.4 GHz,
-        first shot included. A bundle sees the whole hemisphere, so that a ratio needs no defensive part.""",
+        claim="""Figure 6 of the paper shows 800x800 pixels by ray bundles, without and with weighting, after 28 s on one core of 1.4
+        GHz, first shot included. A bundle sees the whole hemisphere, so that a ratio needs no defensive part.""",
         found=[
             f"The relMSE of `classical` is {times(gain(error['classical'], error['weighted']))} that of `weighted`.",
             "Processor time: "

@@ -25,8 +25,8 @@ def make(lab: Lab) -> Figure:
     return Figure(
         title="Gain by hits",
         scene=lab.scene(BOX).source,
-        shows="""The areas of figure 4 (rays, nothing gathered), sorted by how many samples they had got, whatever the iteration,
-        each estimator by its own. Left: relative RMSE; right: how many times larger the mean square error of `classical` is.""",
+        shows="""The areas of figure 4 (rays, nothing gathered), sorted by how many samples they had got, whatever the iteration, each
+        estimator by its own. Left: relative RMSE; right: how many times larger the mean square error of `classical` is.""",
         claim="""Not in the paper. With few hits a ratio has a bias of order 1/n, and may take one bright sample for the whole lobe;
         with many it keeps a constant gain, that of [WIS] equation 3.""",
         found=[f"From {2 ** min(common)} to {2 ** (max(common) + 1)} hits the gain of `{n}` is {span(gains[n])}." for n in gains if common],

@@ -42,8 +42,8 @@ class Iterations:
 
     @property
     def said(self) -> str:
-        """`one run`, `means of 3 runs`."""
-        return "one run" if self.runs == 1 else f"means of {self.runs} runs"
+        """`one run`, `means of 3 runs with standard errors`."""
+        return "one run" if self.runs == 1 else f"means of {self.runs} runs with standard errors"
 
 
 def of_box(lab: Lab) -> Iterations:

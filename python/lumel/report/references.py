@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,6 +56,11 @@ def mean_of(made: str, first: Result, second: Result) -> Reference:
     a, b = (np.asarray(r.layer(gloss.LAYER), np.float64) for r in (first, second))
     image, other = first.image(), second.image()
     return Reference((image + other) / 2, (image - other) ** 2 / 4, (a + b) / 2, (a - b) ** 2 / 4, made)
+
+
+def mean_time(runs: Iterable[Result]) -> float:
+    """Mean of the seconds that renders took."""
+    return float(np.mean([float(str(run.stats["time"])) for run in runs]))
 
 
 def make(lab: Lab, scene: str, seconds: float, **settings: Any) -> Reference:

@@ -39,10 +39,10 @@ def make(lab: Lab) -> Figure:
         title="Gain by roughness",
         scene=lab.scene(BOX).source,
         shows=f"""The scene with all its gloss at one roughness (GGX alpha: 0.05 is nearly a mirror, 1 nearly matt), by ray shooting
-        with nothing gathered, at equal time: {RUNS} runs of {rows[0][-1]:.2g} s each. Left: relative RMSE over the glossy patches
-        in view; right: how many times larger the mean square error of `classical` is.""",
-        claim="""The paper wants to mend shooting on specular surfaces in view. The narrower the lobe, the more f/p varies from
-        sample to sample, and the more there is to gain from dividing by g/p, provided that the lobe is hit at all.""",
+        with nothing gathered, at equal time: {RUNS} runs of {rows[0][-1]:.2g} s each. Left: relative RMSE over the glossy patches in
+        view; right: how many times larger the mean square error of `classical` is.""",
+        claim="""The paper wants to mend shooting on specular surfaces in view. The narrower the lobe, the more f/p varies from sample
+        to sample, and the more there is to gain from dividing by g/p, provided that the lobe is hit at all.""",
         found=[f"The gain of `{name}` is {span(gains[name])}." for name in gains],
         curves=[Curve("roughness", "error and gain by roughness", _draw(found, gains))],
         tables=[Table("roughness", "By roughness", head, rows)],

@@ -8,7 +8,7 @@ from ..settings import TRANSPORTS
 from . import pictures, plots, references
 from .figure import Curve, Figure, Table
 from .lab import BUST, Lab
-from .references import Reference
+from .references import Reference, mean_time
 
 WORKS = {"reference": 36.0, "transports": 48.0}
 
@@ -28,9 +28,10 @@ def make(lab: Lab) -> Figure:
     return Figure(
         title="All transports with all estimators, at equal time",
         scene=lab.scene(BUST).source,
-        shows=f"""Errors of the light in gloss after {each:.1f} s each, with the defaults of `lumel render`: `classical` is shooting
-        alone, the others join gathering samples to it, in the same time. Red is too bright, blue too dark, white right; grey has no
-        light in gloss. The numbers are relMSE; the noise of the reference, {reference.noise:.2g}, is subtracted.""",
+        shows=f"""Errors of the light in gloss after {mean_time(runs.values()):.1f} s each, with the defaults of `lumel render`:
+        `classical` is shooting alone, the others join gathering samples to it, in the same time. Red is too bright, blue too dark,
+        white right; grey has no light in gloss. The numbers are relMSE; the noise of the reference, {reference.noise:.2g}, is
+        subtracted.""",
         claim="""Not in the paper. Every transport makes samples for every estimator, and all pairs converge to the same picture.""",
         found=[f"Least error: {best[0]} with `{best[1]}`, relMSE {error[best]:.3g}."],
         pictures=[
