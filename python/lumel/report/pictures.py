@@ -15,6 +15,7 @@ BRIGHT = 0.97  # quantile of the lit pixels
 SHOWN_AS = 0.8  # linear value of that quantile on the screen
 LARGEST_GAIN = 20.0  # EV
 PART = 0.28  # of the width and of the height, the side of a magnified part
+CELLS = 60  # along the shorter side, of which the detail of a picture is measured
 FULL_COLOUR = 1.0  # relative error
 
 Part = tuple[slice, slice]
@@ -45,15 +46,20 @@ def ringed(name: str, image: FloatArray, at: tuple[float, float], radius: float,
 
 
 def part_with_detail(light: npt.ArrayLike) -> Part:
-    """The part of a picture (h, w, 3) in which it varies most."""
+    """The part of a picture (h, w, 3) in which it varies most, noise of single pixels apart."""
     luminance = np.asarray(light, np.float64) @ LUMINANCE
     bounded = np.sqrt(np.clip(luminance, 0, np.quantile(luminance, 0.98)))  # not where one pixel is bright
-    detail = np.hypot(*np.gradient(bounded)) if min(bounded.shape) > 1 else bounded
+    # Means of cells hide noise.
+    cell = max(1, min(bounded.shape) // CELLS)
+    h, w = (side // cell for side in bounded.shape)
+    means = bounded[: h * cell, : w * cell].reshape(h, cell, w, cell).mean(axis=(1, 3))
+    detail = np.hypot(*np.gradient(means)) if min(means.shape) > 1 else means
+    # A table of sums tells that of every window.
     sums = np.pad(detail.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
-    height, width = (max(1, round(PART * side)) for side in detail.shape)
-    inside = sums[height:, width:] - sums[:-height, width:] - sums[height:, :-width] + sums[:-height, :-width]
+    rows, columns = (max(1, round(PART * side)) for side in detail.shape)
+    inside = sums[rows:, columns:] - sums[:-rows, columns:] - sums[rows:, :-columns] + sums[:-rows, :-columns]
     top, left = (int(i) for i in np.unravel_index(np.argmax(inside), inside.shape))
-    return slice(top, top + height), slice(left, left + width)
+    return slice(top * cell, (top + rows) * cell), slice(left * cell, (left + columns) * cell)
 
 
 def magnified(name: str, light: npt.ArrayLike, part: Part, exposure: float, of: str) -> Picture:

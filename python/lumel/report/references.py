@@ -68,7 +68,7 @@ def make(lab: Lab, scene: str, seconds: float, **settings: Any) -> Reference:
     settings = {"estimator": "auto", "gather": GATHERED, **settings}
     runs = [lab.render(scene, time=seconds / 2, seed=seed, **settings) for seed in SEEDS]
     taken = sum(float(str(run.stats["time"])) for run in runs)
-    made = f"two runs of `auto` with {GATHERED:g} gathering rays and seeds {SEEDS[0]} and {SEEDS[1]}, {taken:.1f} s together"
+    made = f"two runs of `auto` with `--gather {settings['gather']:g}` and seeds {SEEDS[0]} and {SEEDS[1]}, {taken:.1f} s together"
     reference = mean_of(made, *runs)
     lab.check_lit(scene, float(reference.light.mean()))
     return reference
