@@ -18,6 +18,7 @@ from PIL import Image
 from scenes import folder, machine
 
 import lumel
+from lumel import gloss
 
 
 def main() -> None:
@@ -39,9 +40,7 @@ def main() -> None:
         )  # fmt: skip
         return result, time.process_time() - started
 
-    reference = render("weighted", arguments.directions * arguments.reference, seed=1)[0].layer("indirect.specular")
-    glossy = reference.max(axis=-1) > 0
-    scale = reference[glossy] ** 2 + 0.01 * np.mean(reference[glossy]) ** 2
+    reference = render("weighted", arguments.directions * arguments.reference, seed=1)[0].layer(gloss.LAYER)
     print(machine(), end="\n\n")
     print(
         f"| {arguments.directions} directions, {arguments.size}x{arguments.size} | processor time on one thread, s | relMSE of the gloss |"
@@ -52,7 +51,7 @@ def main() -> None:
         result, seconds = render(estimator, arguments.directions, threads=1)
         result.write(arguments.output / f"{estimator}.png")
         pictures.append(np.asarray(Image.open(arguments.output / f"{estimator}.png")))
-        error = np.mean((result.layer("indirect.specular")[glossy] - reference[glossy]) ** 2 / scale)
+        error = gloss.relmse(result.layer(gloss.LAYER), reference)
         print(f"| {estimator} | {seconds:.1f} | {error:.4g} |", flush=True)
     Image.fromarray(np.hstack(pictures)).save(arguments.output / "pair.png")
 

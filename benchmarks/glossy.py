@@ -13,8 +13,7 @@ import numpy as np
 from scenes import folder, machine
 
 import lumel
-
-LAYER = "indirect.specular"
+from lumel import gloss
 
 
 def main() -> None:
@@ -34,17 +33,17 @@ def main() -> None:
     truth = lumel.render(scene, estimator=arguments.truth, rays=most, seed=1, patches=arguments.patches)
 
     # A glossy pixel is one that has such light in the truth.
-    R = truth.layer(LAYER).astype(np.float64)
+    R = truth.layer(gloss.LAYER).astype(np.float64)
     glossy = R.max(axis=-1) > 0
     R = R[glossy]
-    error = {e: float(np.mean((run.layer(LAYER)[glossy] - R) ** 2)) for e, run in runs.items()}
+    error = {e: float(np.mean((run.layer(gloss.LAYER)[glossy] - R) ** 2)) for e, run in runs.items()}
     print(f"`{name}`, {arguments.time:g} s each, against {most / 1e6:.0f} M rays, {glossy.mean():.0%} of the pixels are glossy\n")
     print("| estimator | rays, M | mean square error | relMSE | mean ratio |")
     print("|---|---|---|---|---|")
     for e, run in runs.items():
-        I = run.layer(LAYER)[glossy]  # noqa: E741
-        relative = np.mean((I - R) ** 2 / (R**2 + 0.01 * R.mean() ** 2))
-        print(f"| {e} | {rays[e] / 1e6:.1f} | {error[e]:.3g} | {relative:.3g} | {I.mean() / R.mean():.4f} |")
+        relative = gloss.relmse(run.layer(gloss.LAYER), truth.layer(gloss.LAYER))
+        ratio = run.layer(gloss.LAYER)[glossy].mean() / R.mean()
+        print(f"| {e} | {rays[e] / 1e6:.1f} | {error[e]:.3g} | {relative:.3g} | {ratio:.4f} |")
     print(f"\nclassical / weighted: {error['classical'] / error['weighted']:.2f}")
 
 

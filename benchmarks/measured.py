@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +15,8 @@ from scenes import scene_file
 import lobes
 import lumel
 from lumel import _core
-from lumel.core import camera_to_core, to_core
-from lumel.render import DIRECT_SAMPLES, scene_hash
+from lumel.render import scene_hash
+from lumel.report import areas
 from lumel.scene import Scene
 
 Array = npt.NDArray[np.float64]
@@ -28,11 +27,9 @@ RESAMPLES = 10_000
 
 
 @dataclass
-class Subject:
+class Subject(areas.Subject):
     """A scene whose glossy patches in view of its first camera are measured, with transport `rays`."""
 
-    scene: Scene
-    patches: int | None = None
     given: bool = False  # the light of surfaces is what they emit: nothing to solve, one transfer to measure
 
     @staticmethod
@@ -40,39 +37,18 @@ class Subject:
         """`smooth`, `spot`, a reference scene, a generated one, which is written to `out`, or a file."""
         return Subject(GIVEN[name](), GIVEN_PATCHES, given=True) if name in GIVEN else Subject(lumel.load(scene_file(name, out)))
 
-    @cached_property
-    def core(self) -> _core.Scene:
-        return to_core(self.scene, self.patches)[0]
+    def session(self, seed: int, **settings: Any) -> _core.Session:
+        """As for any subject; where the light is given, it is that of the lamps."""
+        return super().session(seed, **{"first_shot": not self.given, **settings})
 
-    def session(self, seed: int, gather: float = 0.0, defensive: float = -1.0, threads: int | None = None) -> _core.Session:
-        """`gather`: rays an area and 2^20 shooting rays. A negative `defensive` leaves the choice to the scene, as for `auto`."""
-        return _core.Session(
-            scene=self.core,
-            cameras=[camera_to_core(self.scene.cameras[0])],
-            transport="rays",
-            areas="patches",
-            estimator="auto",
-            defensive=defensive,
-            gather=gather,
-            weight_diffuse=None,
-            first_shot=not self.given,
-            direct_samples=DIRECT_SAMPLES,
-            seed=seed,
-            threads=threads or len(os.sched_getaffinity(0)),
-        )
+    def replica(self, session: _core.Session, solve: int, work: int, steps: int = 1) -> None:
+        """Solve with `solve` rays, freeze that, and measure `work` rays shot from it. What gloss sends to gloss takes a solve, or steps."""
+        super().replica(session, 0 if self.given else solve, work, 1 if self.given else steps)
 
     def materials(self, areas: npt.NDArray[np.intp]) -> npt.NDArray[np.str_]:
         """Name of the material of each area."""
         of_patch = self.core.patch_geometry()[:, 7].astype(np.intp)
         return np.array(list(self.scene.materials))[of_patch[areas % self.core.patches]]
-
-    def replica(self, session: _core.Session, solve: int, rays: int, steps: int = 1) -> None:
-        """Solve with `solve` rays, freeze that, and measure `rays` rays shot from it. What gloss sends to gloss takes a solve, or steps."""
-        session.begin_replica(0 if self.given else solve)
-        steps = 1 if self.given else steps
-        for step in range(steps):
-            session.step(rays * (step + 1) // steps - rays * step // steps)
-        session.end_replica()
 
 
 @dataclass

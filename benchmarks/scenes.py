@@ -7,6 +7,8 @@ from pathlib import Path
 
 from generated import SCENES, write
 
+from lumel.machine import load, processors
+
 NAMES = ("bust", "cornell_glossy", "courtyard", "gallery", "spotlit")
 
 
@@ -27,6 +29,4 @@ def scene_file(name: str, out: Path) -> Path:
 
 def machine() -> str:
     """Processors that may be used, their name, and how busy they are with other work: numbers made at a load above 1 are too low."""
-    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    name = next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), "unknown processor")
-    return f"{len(os.sched_getaffinity(0))} threads of {name}; load before the start {os.getloadavg()[0]:.1f}"
+    return f"{processors()}; load before the start {load():.1f}"

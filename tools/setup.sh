@@ -42,6 +42,12 @@ END
 # Whether header $1 is where compilers look.
 have_header() { [[ -e /usr/include/$1 || -e /usr/local/include/$1 ]]; }
 
+# Whether there is a browser that tests/python/browser.py finds.
+have_browser() { command -v chromium-headless-shell || command -v chromium || command -v google-chrome; } >/dev/null
+
+# Whether this is Debian itself: Ubuntu's apt has no browser.
+is_debian() { grep -qx 'ID=debian' /etc/os-release 2>/dev/null; }
+
 # Print the apt packages that are missing.
 missing_packages() {
     command -v g++ >/dev/null || echo g++
@@ -51,6 +57,7 @@ missing_packages() {
     have_header oneapi/tbb/version.h || echo libtbb-dev
     if [[ $mode == dev ]]; then
         have_header gtest/gtest.h || echo libgtest-dev
+        have_browser || ! is_debian || echo chromium-headless-shell
     fi
     if [[ -n $python ]]; then
         python_packages "$python"

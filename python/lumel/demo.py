@@ -10,12 +10,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
-from . import demo_figure
+from . import demo_figure, gloss
 from .errors import OutputError
 from .images.compare import Comparison, compare
-from .images.files import write_files
+from .images.files import write_pictures
 from .images.png import encode_png
 from .progress import Progress
 from .readers import load
@@ -28,7 +26,6 @@ ESTIMATORS = ("classical", "weighted")
 SECONDS = (0.5, 1.0, 1.75)  # the error is told after each of these; the pictures are those of the last
 REFERENCE_SHARE = 8  # times the shooting rays of the longest run
 EXPOSURE = 0.0  # EV
-GLOSS = "indirect.specular"
 
 Show = Callable[[Progress], None]
 
@@ -40,7 +37,7 @@ class Run:
     estimator: str
     seconds: float
     result: Result
-    gloss: float
+    in_gloss: float
     whole: Comparison
 
     @property
@@ -68,34 +65,31 @@ def run(directory: Path, progress: Show | None = None) -> list[str]:
     files = {directory / f"{r.estimator}.png": encode_png(r.result.image(), r.result.metadata, exposure=EXPOSURE) for r in last}
     curves = {estimator: [r for r in runs if r.estimator == estimator] for estimator in ESTIMATORS}
     files[directory / "side_by_side.png"] = demo_figure.draw(
-        [(f"{r.estimator}, {r.seconds:g} s, {r.rays / 1e6:.1f} M rays", r.result.image(), r.result.layer(GLOSS)) for r in last]
-        + [(f"reference, {rays_of(reference) / 1e6:.0f} M rays", reference.image(), reference.layer(GLOSS))],
+        [(f"{r.estimator}, {r.seconds:g} s, {r.rays / 1e6:.1f} M rays", r.result.image(), r.result.layer(gloss.LAYER)) for r in last]
+        + [(f"reference, {rays_of(reference) / 1e6:.0f} M rays", reference.image(), reference.layer(gloss.LAYER))],
         {
-            "relMSE of the indirect specular light": {e: [(r.seconds, r.gloss) for r in of] for e, of in curves.items()},
+            "relMSE of the indirect specular light": {e: [(r.seconds, r.in_gloss) for r in of] for e, of in curves.items()},
             "relMSE of the whole picture": {e: [(r.seconds, r.whole.relmse) for r in of] for e, of in curves.items()},
         },
         EXPOSURE,
     )
-    write_files(files)
+    write_pictures(files)
     return [
         f"{SECONDS[-1]:g} s each, against a run of {rays_of(reference) / 1e6:.1f} M rays with another seed:",
         *(caption(r) for r in last),
-        f"in indirect specular light, the relMSE of classical is {last[0].gloss / last[1].gloss:.3g} times that of weighted",
+        f"in indirect specular light, the relMSE of classical is {last[0].in_gloss / last[1].in_gloss:.3g} times that of weighted",
         *(f"wrote {path}" for path in files),
     ]
 
 
 def gloss_error(result: Result, reference: Result) -> float:
-    """relMSE of the indirect specular light over the pixels that have any in the reference (the mean in e is over them too)."""
-    R = reference.layer(GLOSS).astype(np.float64)
-    glossy = R.max(axis=-1) > 0
-    R, I = R[glossy], result.layer(GLOSS)[glossy]  # noqa: E741
-    return float(np.mean((I - R) ** 2 / (R**2 + 0.01 * R.mean() ** 2)))
+    """relMSE of the indirect specular light over the pixels that have any in the reference."""
+    return gloss.relmse(result.layer(gloss.LAYER), reference.layer(gloss.LAYER))
 
 
 def caption(timed: Run) -> str:
     """One line about a run."""
-    errors = f"relMSE: indirect specular {timed.gloss:.3g}, whole picture {timed.whole.relmse:.3g}"
+    errors = f"relMSE: indirect specular {timed.in_gloss:.3g}, whole picture {timed.whole.relmse:.3g}"
     return f"{timed.estimator:9}  {timed.rays / 1e6:.2f} M rays, {errors}"
 
 

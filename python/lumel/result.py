@@ -125,10 +125,10 @@ class Result:
         `layers`: None writes those of LAYERS, "all" every one there is, or their names. `half` stores float16 in EXR. Raises
         OutputError (ending, folder, permission, disk full), and then nothing has been changed, or SettingsError.
         """
-        from .images.files import write_files
+        from .images.files import write_pictures
 
         path = Path(path)
-        write_files({path: self.encode(path, camera=camera, layers=layers, exposure=exposure, half=half)})
+        write_pictures({path: self.encode(path, camera=camera, layers=layers, exposure=exposure, half=half)})
 
     def encode(
         self,

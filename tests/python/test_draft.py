@@ -34,13 +34,13 @@ def test_drafts_change_nothing(transport: str) -> None:
 @pytest.mark.parametrize(("progress", "drafts"), [("bar", True), ("plain", False)])
 def test_a_bar_comes_with_drafts_in_the_file(progress: str, drafts: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written: list[list[Path]] = []
-    write = files.write_files
+    write = files.write_pictures
 
     def counted(contents: Mapping[Path, bytes]) -> None:
         written.append(list(contents))
         write(contents)
 
-    monkeypatch.setattr(files, "write_files", counted)
+    monkeypatch.setattr(files, "write_pictures", counted)
     out = tmp_path / "a.png"
     flags = ["--rays", "1200000", "--size", "32x24", "--patches", "2000", "--progress", progress, "-o", str(out)]
     ran = CliRunner().invoke(cli.app, ["render", "lumel:demo", *flags])

@@ -23,7 +23,7 @@ from PIL import Image
 from lumel.errors import OutputError
 from lumel.images import ImageError, read_picture
 from lumel.images.exr import encode_exr, read_exr, write_exr
-from lumel.images.files import problems_with, write_files
+from lumel.images.files import problems_with, write_pictures
 from lumel.images.png import encode_png, from_srgb, read_png, to_bytes, to_srgb, write_png
 from lumel.scene import FloatArray
 
@@ -198,7 +198,7 @@ def test_png_bytes_survive_reading_and_writing() -> None:
 def test_writing_replaces_and_leaves_nothing_else(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(b"old")
     (tmp_path / "link.png").symlink_to("a.png")
-    write_files({tmp_path / "link.png": b"new", tmp_path / "b.exr": b"other"})
+    write_pictures({tmp_path / "link.png": b"new", tmp_path / "b.exr": b"other"})
     assert (tmp_path / "a.png").read_bytes() == b"new"
     assert (tmp_path / "link.png").is_symlink()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.png", "b.exr", "link.png"]
@@ -207,7 +207,7 @@ def test_writing_replaces_and_leaves_nothing_else(tmp_path: Path) -> None:
 def test_full_disk_changes_nothing(tmp_path: Path) -> None:
     (tmp_path / "a.exr").write_bytes(b"old")
     with full_disk(4096), pytest.raises(OutputError, match=r"b\.exr.*unchanged"):
-        write_files({tmp_path / "a.exr": b"x" * 100, tmp_path / "b.exr": b"x" * 10_000})
+        write_pictures({tmp_path / "a.exr": b"x" * 100, tmp_path / "b.exr": b"x" * 10_000})
     assert [path.name for path in tmp_path.iterdir()] == ["a.exr"]
     assert (tmp_path / "a.exr").read_bytes() == b"old"
 
@@ -234,7 +234,7 @@ def test_unwritable_places_are_named_together(tmp_path: Path) -> None:
         "File name too long": tmp_path / ("x" * 251 + ".exr"),
     }
     with pytest.raises(OutputError) as caught:
-        write_files(dict.fromkeys(paths.values(), b""))
+        write_pictures(dict.fromkeys(paths.values(), b""))
     for message, problem in zip(paths, caught.value.problems, strict=True):
         assert pytest.raises(OutputError, match=message).matches(OutputError(problem))
     assert problems_with([tmp_path / "fine.exr", tmp_path / "fine.PNG"]) == []

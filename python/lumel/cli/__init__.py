@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from . import bench, compare, demo, info, render
+from . import bench, compare, demo, info, render, report
 
 app = typer.Typer(
     name="lumel",
@@ -21,6 +21,7 @@ app.command("render")(render.render)
 app.command("info")(info.info)
 app.command("compare")(compare.compare)
 app.command("demo")(demo.demo)
+app.command("report")(report.report)
 app.command("bench")(bench.bench)
 
 

@@ -94,7 +94,7 @@ def _write_map(path: Path, flips: FloatArray) -> None:
     """FLIP from 0 (black) over purple and orange to 1 (pale yellow)."""
     from matplotlib import colormaps
 
-    from ..images.files import write_files
+    from ..images.files import write_pictures
     from ..images.png import encode_bytes
 
-    write_files({path: encode_bytes(colormaps["magma"](flips, bytes=True)[..., :3])})
+    write_pictures({path: encode_bytes(colormaps["magma"](flips, bytes=True)[..., :3])})

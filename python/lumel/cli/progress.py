@@ -37,6 +37,18 @@ def showing(kind: str, *, quiet: bool = False) -> Iterator[Show | None]:
         yield _Throttled(plain_line, _PLAIN_INTERVAL)
 
 
+@contextmanager
+def showing_stages(*, quiet: bool = False) -> Iterator[Callable[[str, float], None] | None]:
+    """Give a function that shows what is done and the share (0..1) that is over: as a bar for people, as a line a stage for logs."""
+    if quiet:
+        yield None
+    elif default_kind() == "bar":
+        with _stage_bar() as show:
+            yield show
+    else:
+        yield _stage_lines()
+
+
 def default_kind() -> str:
     """A bar for people, lines for logs."""
     return "bar" if sys.stderr.isatty() else "plain"
@@ -99,3 +111,27 @@ def _bar() -> Iterator[Show]:
             )
 
         yield show
+
+
+@contextmanager
+def _stage_bar() -> Iterator[Callable[[str, float], None]]:
+    from rich.console import Console
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
+
+    columns = (BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("starting", total=1.0)
+        yield lambda doing, fraction: bar.update(task, description=doing, completed=fraction)
+
+
+def _stage_lines() -> Callable[[str, float], None]:
+    last = ""
+
+    def show(doing: str, fraction: float) -> None:
+        nonlocal last
+        if doing != last:
+            last = doing
+            print(f"{100 * fraction:3.0f} %  {doing}", file=sys.stderr, flush=True)
+
+    return show

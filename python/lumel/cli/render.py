@@ -130,7 +130,7 @@ def _run(scene: Scene, settings: dict[str, Any], show: str, quiet: bool) -> Resu
 
 def _write(result: Result, outputs: Sequence[Path], *, every_camera: bool, **how: Any) -> list[Path]:
     """Write all pictures, or none where one of them cannot be written; gives the files."""
-    from ..images.files import write_files
+    from ..images.files import write_pictures
 
     targets = _targets(outputs, result.cameras) if every_camera else [(output, result.cameras[0]) for output in outputs]
     files = {path: result.encode(path, camera=camera, **how) for path, camera in targets}
@@ -138,7 +138,7 @@ def _write(result: Result, outputs: Sequence[Path], *, every_camera: bool, **how
         from . import explain
 
         files |= {explain.path_of_picture(path): explain.picture(result, camera) for path, camera in targets}
-    write_files(files)
+    write_pictures(files)
     return list(files)
 
 

@@ -24,7 +24,7 @@ import numpy.typing as npt
 import OpenEXR
 
 from ..scene import FloatArray
-from .files import ImageError, write_files
+from .files import ImageError, write_pictures
 from .picture import Picture
 
 PREFIX = "lumel."
@@ -36,7 +36,7 @@ def write_exr(
     path: str | Path, layers: Mapping[str, npt.ArrayLike], metadata: Mapping[str, str] | None = None, *, half: bool = False
 ) -> None:
     """Write `layers` to `path` in one step, as `encode_exr` makes them. Raises OutputError; then nothing has been changed."""
-    write_files({Path(path): encode_exr(layers, metadata, half=half)})
+    write_pictures({Path(path): encode_exr(layers, metadata, half=half)})
 
 
 def encode_exr(layers: Mapping[str, npt.ArrayLike], metadata: Mapping[str, str] | None = None, *, half: bool = False) -> bytes:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from PIL import Image, PngImagePlugin
 
 from ..scene import FloatArray
-from .files import ImageError, write_files
+from .files import ImageError, write_pictures
 from .picture import Picture
 
 
@@ -53,7 +53,7 @@ def encode_bytes(pixels: npt.NDArray[np.uint8], metadata: Mapping[str, str] | No
 
 def write_png(path: str | Path, rgb: npt.ArrayLike, metadata: Mapping[str, str] | None = None, *, exposure: float = 0.0) -> None:
     """Write `rgb` to `path` in one step, as `encode_png` makes it. Raises OutputError; then nothing has been changed."""
-    write_files({Path(path): encode_png(rgb, metadata, exposure=exposure)})
+    write_pictures({Path(path): encode_png(rgb, metadata, exposure=exposure)})
 
 
 def read_png(path: str | Path) -> Picture:
