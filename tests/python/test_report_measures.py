@@ -68,7 +68,7 @@ def test_areas_are_sorted_by_their_hits() -> None:
     value = EXACT + NOISE * rng.standard_normal((1, 3, AREAS, 3)) / np.sqrt(counts)[:, None, None]
     same = {(transport, name): value for transport in TRANSPORTS for name in ESTIMATORS}
     hit = {key: np.broadcast_to(counts[None, :, None], (1, 3, AREAS)) for key in same}
-    found = hits.by_hits(Iterations([1, 2, 3], same, hit, {}), truth, "weighted")
+    found = hits.by_hits(Iterations([1, 4, 16], same, hit, {}), truth, "weighted")
     assert set(found) == {2, 4, 6}
     for b, error in found.items():
         assert error == pytest.approx(NOISE / (EXACT * math.sqrt(1.01) * 2 ** (b / 2)), rel=4 / math.sqrt(2 * 3 * AREAS))

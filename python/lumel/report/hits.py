@@ -25,19 +25,28 @@ def make(lab: Lab) -> Figure:
     return Figure(
         title="Gain by hits",
         scene=lab.scene(BOX).source,
-        shows="""The areas of figure 4 (rays, nothing gathered), sorted by how many samples they had got, whatever the iteration, each
-        estimator by its own. Left: relative RMSE; right: how many times larger the mean square error of `classical` is.""",
+        shows="""The areas of figure 4 (rays, nothing gathered), sorted by how many samples they should have got by then: as many of those
+        of all iterations and runs as had been shot. (Sorted by what they had got, areas with few would be those too dark by chance.)
+        Left: relative RMSE; right: how many times larger the mean square error of `classical` is.""",
         claim="""Not in the paper. With few hits a ratio has a bias of order 1/n, and may take one bright sample for the whole lobe;
-        with many it keeps a constant gain, that of [WIS] equation 3.""",
+        with many it keeps a constant gain, that of [WIS] equation 3. The fewest hits are those of areas that are covered for the most part,
+        such as a floor at the foot of a box: nearly dark themselves, they take light from neighbours that are not.""",
         found=[f"From {2 ** min(common)} to {2 ** (max(common) + 1)} hits the gain of `{n}` is {span(gains[n])}." for n in gains if common],
         curves=[Curve("hits", "error and gain by hits", _draw(common, found, gains))],
         tables=[Table("hits", "By hits", ("hits, from", *(f"RMSE {n}" for n in ESTIMATORS), *(f"gain of {n}" for n in gains)), rows)],
     )
 
 
+def expected_hits(runs: Iterations, estimator: str) -> Doubles:
+    """(runs, k, areas): samples that an area should have after each iteration, as the last one of all runs tells."""
+    hits = runs.hits[TRANSPORT, estimator]
+    shares = np.array(runs.at)[:, None] / runs.at[-1]
+    return np.broadcast_to(hits[:, -1].mean(axis=0) * shares, hits.shape)
+
+
 def by_hits(runs: Iterations, truth: Truth, estimator: str) -> dict[int, float]:
-    """Relative RMSE by the binary logarithm of hits, of the areas that have so many up to twice as many."""
-    value, hits = runs.value[TRANSPORT, estimator], runs.hits[TRANSPORT, estimator]
+    """Relative RMSE by the binary logarithm of hits, of the areas that should have so many up to twice as many."""
+    value, hits = runs.value[TRANSPORT, estimator], expected_hits(runs, estimator)
     e = 0.01 * truth.mean**2
     squared: Doubles = truth.error(value) / (np.mean(truth.value**2, axis=-1) + e)
     bins = np.floor(np.log2(np.maximum(hits, 0.5))).astype(int)  # -1: none
@@ -54,7 +63,7 @@ def _draw(bins: list[int], found: dict[str, dict[int, float]], gains: dict[str, 
             plots.line(right, x, by_bin, name)
         right.axhline(1, color=plots.INK, linewidth=1)
         for panel in (left, right):
-            panel.set(xscale="log", xlabel="hits of the area")
+            panel.set(xscale="log", xlabel="expected hits of the area")
             plots.logarithmic(panel)
             plots.plain_ticks(panel, [4.0**i for i in range(1, 9) if min(x, default=1) <= 4.0**i <= max(x, default=1)])
             panel.legend()
