@@ -55,14 +55,14 @@ TEST(FewHits, enough_hits_are_left_alone) {
     const Estimate e = weighted(own, neighbours());
     expect_near(e.value, own.f * (1 / own.g), 1e-12);
     expect_near(e.value, weighted(own, {}).value, 0);
-    expect_near(automatic(own, neighbours()).value, corrected(own, dim_radiance(own, neighbours())).value, 0);
+    expect_near(automatic(own, neighbours()).value, corrected_or_ratio(own, neighbours(), dim_radiance(own, neighbours())).value, 0);
 }
 
 TEST(FewHits, many_hits_are_trusted_even_if_one_outweighs_the_rest) {
     Samples own = hits_of(1, kHit, kBright);
-    const double few = missing_hits(own, neighbours());
-    own.hits = 200;
-    EXPECT_LT(missing_hits(own, neighbours()), 1e-4 * few);
+    const double few = share_of_neighbours(own, neighbours());
+    own.hits = 250;
+    EXPECT_LT(share_of_neighbours(own, neighbours()), 1e-4 * few);
 }
 
 TEST(FewHits, without_a_hit_the_neighbours_stand_in) {

@@ -3,25 +3,15 @@
 
 #include <cmath>
 
-#include "lumel/estimators/few_hits.h"
+#include "lumel/estimators/weighted.h"
 
 namespace lumel {
 
-inline constexpr double kOwnHits = 20;  // with about so many an area begins to go by its own samples
-
 /// Radiance of the many dim directions around an area, sum fg / sum gg. Own samples join as far as there are enough of them.
 inline Rgb64 dim_radiance(const Samples& own, const Samples& around) {
+    constexpr double kOwnHits = 20;
     const double hits = static_cast<double>(own.hits), trust = hits / (hits + kOwnHits), gg = around.gg + own.gg * trust;
     return gg > 0 ? (around.fg + own.fg * trust) * (1 / gg) : Rgb64{};
-}
-
-/// Hits that an area lacks of kEnoughHits, by their effective number or by what as many of its neighbours would add to G. The more hits
-/// it has, however small, the less it is doubted.
-inline constexpr double kEnoughHits = 8;
-inline double missing_hits(const Samples& own, const Samples& around) {
-    if (!(around.g > 0)) return 0;
-    const double counted = std::min(own.effective_hits(), own.g / hit_size(own, around));
-    return std::max(0.0, kEnoughHits - counted) * std::exp(-static_cast<double>(own.hits) / kOwnHits);
 }
 
 /// F - b (G - 1). Unbiased, but for what b has of the area's own samples.
@@ -34,14 +24,38 @@ inline Estimate automatic_to_average(const Samples& own, const Samples& around) 
     return {e.value + own.plain, e.variance + own.var_plain};
 }
 
-/// Consistent: F - b (G - 1) of the area. Where it has but few hits, those that are missing join from its neighbours. Needs 8 sums an
+/// F - b (G - 1), but where G > 1 the ratio F/G as far as the light around is even: with k = clamp(b G'/F', 0, 1) min(1, G - 1).
+inline Estimate corrected_or_ratio(const Samples& own, const Samples& around, Rgb64 b) {
+    const Estimate e = corrected(own, b);
+    const double light = lum(around.f);
+    if (!(own.g > 1 && light > 0)) return e;
+    const double k = std::clamp(lum(b) * around.g / light, 0.0, 1.0) * std::min(1.0, own.g - 1);
+    const Rgb64 ratio = own.f * (1 / own.g);
+    return {ratio * k + e.value * (1 - k), control_variance(own, ratio * k + b * (1 - k))};
+}
+
+inline constexpr double kEnoughHits = 8;
+
+/// Share that the neighbours of an area have in its light, 0..1: of few hits, what they lack of kEnoughHits by their effective number or by
+/// their size; and until there are some hundred, what G lacks of kFewHits of the neighbours, as in `weighted`.
+inline double share_of_neighbours(const Samples& own, const Samples& around) {
+    constexpr double kFew = 15, kMany = 80;
+    if (!(around.g > 0)) return 0;
+    const double hits = static_cast<double>(own.hits), by_size = own.g / hit_size(own, around),
+                 counted = std::min(by_size, own.effective_hits());
+    const double many = hits / kMany, few = std::max(0.0, 1 - counted / kEnoughHits) * std::exp(-hits / kFew),
+                 faint = std::max(0.0, 1 - by_size / kFewHits) * std::exp(-many * many);
+    return std::max(few, faint);
+}
+
+/// Consistent: the correction of an area by its own samples, and the same of its neighbours, as far as its hits are few. Needs 8 sums an
 /// area and its neighbours. Values may be slightly negative.
 inline Estimate automatic(const Samples& own, const Samples& around) {
     if (!(own.g > 0) && !(around.g > 0)) return {own.plain, own.var_plain, false};
     const Rgb64 b = dim_radiance(own, around);
-    const double missing = missing_hits(own, around);
-    Estimate e = corrected(own, b);
-    if (missing > 0) e = filled(e, 1 - missing / kEnoughHits, corrected(around, b), around, missing);
+    const double share = share_of_neighbours(own, around);
+    Estimate e = corrected_or_ratio(own, around, b);
+    if (share > 0) e = filled(e, 1 - share, corrected(around, b), around, share * kEnoughHits);
     return {e.value + own.plain, e.variance + own.var_plain};
 }
 
