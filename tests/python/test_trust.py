@@ -16,7 +16,7 @@ from running import render
 
 GATHER = 16.0 * 2**20  # rays an area: what a render of a million shooting rays or more gathers at least, over the rays of a run
 HITS = (50, 400)  # an area, about 200
-RAYS = {"half-lit sphere": 30_000, "black back wall": 30_000, "open sky": 100_000, "lit by a mirror": 50_000}
+RAYS = {"half-lit sphere": 30_000, "black back wall": 30_000, "open sky": 100_000, "lit by a mirror": 75_000}
 COVERS: dict[str, dict[str, Any]] = {"gathering": {"gather": -1.0}, "shooting": {"gather": 0.0}}
 
 

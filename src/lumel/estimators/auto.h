@@ -24,12 +24,20 @@ inline Estimate automatic_to_average(const Samples& own, const Samples& around) 
     return {e.value + own.plain, e.variance + own.var_plain};
 }
 
-/// F - b (G - 1), but where G > 1 the ratio F/G as far as the light around is even: with k = clamp(b G'/F', 0, 1) min(1, G - 1).
+/// How far an area of so many hits, however small, is to be doubted, 1..0: not with some two hundred.
+inline double doubt(uint64_t hits) {
+    constexpr double kMany = 80;
+    const double many = static_cast<double>(hits) / kMany;
+    return std::exp(-many * many);
+}
+
+/// F - b (G - 1). Where G > 1 and hits are few, F/G takes over as far as the light around is even, by k = clamp(b G'/F', 0, 1) min(1, G -
+/// 1).
 inline Estimate corrected_or_ratio(const Samples& own, const Samples& around, Rgb64 b) {
     const Estimate e = corrected(own, b);
     const double light = lum(around.f);
     if (!(own.g > 1 && light > 0)) return e;
-    const double k = std::clamp(lum(b) * around.g / light, 0.0, 1.0) * std::min(1.0, own.g - 1);
+    const double k = std::clamp(lum(b) * around.g / light, 0.0, 1.0) * std::min(1.0, own.g - 1) * doubt(own.hits);
     const Rgb64 ratio = own.f * (1 / own.g);
     return {ratio * k + e.value * (1 - k), control_variance(own, ratio * k + b * (1 - k))};
 }
@@ -39,12 +47,12 @@ inline constexpr double kEnoughHits = 8;
 /// Share that the neighbours of an area have in its light, 0..1: of few hits, what they lack of kEnoughHits by their effective number or by
 /// their size; and until there are some hundred, what G lacks of kFewHits of the neighbours, as in `weighted`.
 inline double share_of_neighbours(const Samples& own, const Samples& around) {
-    constexpr double kFew = 15, kMany = 80;
+    constexpr double kFew = 15;
     if (!(around.g > 0)) return 0;
     const double hits = static_cast<double>(own.hits), by_size = own.g / hit_size(own, around),
                  counted = std::min(by_size, own.effective_hits());
-    const double many = hits / kMany, few = std::max(0.0, 1 - counted / kEnoughHits) * std::exp(-hits / kFew),
-                 faint = std::max(0.0, 1 - by_size / kFewHits) * std::exp(-many * many);
+    const double few = std::max(0.0, 1 - counted / kEnoughHits) * std::exp(-hits / kFew),
+                 faint = std::max(0.0, 1 - by_size / kFewHits) * doubt(own.hits);
     return std::max(few, faint);
 }
 
