@@ -18,11 +18,11 @@ from measured import Array, Subject, Truth, resampled, truth
 from scenes import machine
 
 import lobes
+from lumel.scene import LUMINANCE
 
 HITS = 10  # mean hits of an area in a replica
 ESTIMATORS = ("weighted", "regression", "auto")
 PATCHES = 690
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def rays_for(subject: Subject, hits: float) -> int:

@@ -20,7 +20,7 @@ from scenes import NAMES, folder, machine
 import lumel
 from lumel.images import read_picture
 from lumel.images.compare import compare
-from lumel.scene import FloatArray
+from lumel.scene import LUMINANCE, FloatArray
 
 TILE = 16  # pixels
 CHANCE = 1e-2
@@ -33,17 +33,16 @@ def biased_tiles(
     image: FloatArray, stderr: FloatArray, reference: FloatArray, reference_stderr: FloatArray
 ) -> list[tuple[int, int, float, float]]:
     """Row and column (pixels), relative difference and t of the tiles whose luminance is significantly off by more than BIAS."""
-    weights = np.array([0.2126, 0.7152, 0.0722])
     height, width = (n // TILE * TILE for n in image.shape[:2])
 
     def tiles(values: FloatArray) -> FloatArray:
         """Sums over tiles."""
         return values[:height, :width].reshape(height // TILE, TILE, width // TILE, TILE).sum(axis=(1, 3))
 
-    difference, total = tiles((image - reference) @ weights), tiles(reference @ weights)
+    difference, total = tiles((image - reference) @ LUMINANCE), tiles(reference @ LUMINANCE)
     # The error of the solution is shared by the pixels of a tile: it does not average out, noise of the eye does; take all as shared.
-    own = tiles(stderr @ weights)
-    error = np.sqrt(own**2 + tiles((reference_stderr @ weights) ** 2))
+    own = tiles(stderr @ LUMINANCE)
+    error = np.sqrt(own**2 + tiles((reference_stderr @ LUMINANCE) ** 2))
     t = np.divide(difference, error, out=np.zeros_like(difference), where=error > 0)
     relative = np.divide(difference, total, out=np.zeros_like(difference), where=total > 0)
     most = NormalDist().inv_cdf(1 - CHANCE / 2 / t.size)

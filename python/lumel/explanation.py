@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .scene import Camera, Scene
+from .scene import LUMINANCE, Camera, Scene
 
 LAMP_RAYS = 4096  # to find out where a lamp shines
 MOST_LAMPS = 64  # that are looked at one by one
@@ -159,11 +159,13 @@ def _areas(session: _core.Session, index: int, camera: str, estimator: str) -> A
     count = len(areas["index"])
     if count == 0:
         return AreaStory(camera, 0, (0, 0, 0), 0, 0, 0, 0, 0, 1)
-    value, plain = (np.asarray(areas[key]) @ _LUM for key in ("value", "mean"))
+    value, plain = (np.asarray(areas[key]) @ LUMINANCE for key in ("value", "mean"))
     own = areas["borrowed"] == 0
     scale = value**2 + FLOOR * np.mean(value**2)
     scale[~(scale > 0)] = 1
-    error, classical_error = (np.mean((areas[key] @ _LUM)[own] / scale[own]) if own.any() else 0.0 for key in ("variance", "mean.variance"))
+    error, classical_error = (
+        np.mean((areas[key] @ LUMINANCE)[own] / scale[own]) if own.any() else 0.0 for key in ("variance", "mean.variance")
+    )
     low, middle, high = (float(q) for q in np.quantile(areas["hits"], (0.05, 0.5, 0.95)))
     return AreaStory(
         camera,
@@ -178,11 +180,8 @@ def _areas(session: _core.Session, index: int, camera: str, estimator: str) -> A
     )
 
 
-_LUM = np.array((0.2126, 0.7152, 0.0722))
-
-
 def _lum(rgb: Sequence[float]) -> float:
-    return float(np.dot(rgb, _LUM))
+    return float(np.dot(rgb, LUMINANCE))
 
 
 def _largest(names: Sequence[str], shares: npt.NDArray[np.floating[Any]], most: int = 5) -> tuple[Share, ...]:

@@ -19,6 +19,7 @@ IntArray = npt.NDArray[np.int32]
 FovAxis = Literal["x", "y", "diagonal", "smaller", "larger"]
 
 BLACK: Rgb = (0.0, 0.0, 0.0)
+LUMINANCE = np.array((0.2126, 0.7152, 0.0722))  # of linear Rec.709 RGB: rgb @ LUMINANCE
 
 
 @dataclass(frozen=True)

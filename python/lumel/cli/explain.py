@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..scene import LUMINANCE
 from . import text
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def picture(result: Result, camera: str) -> bytes:
     from matplotlib import colormaps
     from matplotlib.image import imsave
 
-    light = result.layer("indirect.specular", camera) @ np.array((0.2126, 0.7152, 0.0722), np.float32)
+    light = result.layer("indirect.specular", camera) @ LUMINANCE.astype(np.float32)
     data = io.BytesIO()
     imsave(data, colormaps["coolwarm"](_shift(result.layer("correction", camera), light)), format="png")
     return data.getvalue()

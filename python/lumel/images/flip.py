@@ -7,10 +7,9 @@ import math
 import flip_evaluator
 import numpy as np
 
-from ..scene import FloatArray
+from ..scene import LUMINANCE, FloatArray
 from .png import to_srgb
 
-_LUMINANCE = np.array((0.2126, 0.7152, 0.0722))
 _MOST_EXPOSURES = 16
 
 
@@ -37,7 +36,7 @@ def exposures(reference: FloatArray) -> tuple[float, float]:
 
     The median is over lit pixels: with the usual one a picture that is half black has no last exposure at all.
     """
-    luminance = reference.astype(np.float64) @ _LUMINANCE
+    luminance = reference.astype(np.float64) @ LUMINANCE
     lit = luminance[luminance > 0]
     if not lit.size:
         return 0.0, 0.0

@@ -59,7 +59,7 @@ def _found(runs: Iterations, last: dict[tuple[str, str], float], transport: str)
 
 def _draw(runs: Iterations, error: dict[tuple[str, str], tuple[Doubles, Doubles]]) -> str:
     x = np.array(runs.at, np.float64)
-    with plots.panels([f"{transport}" for transport in TRANSPORTS], share_y=True) as (figure, axes):
+    with plots.panels(TRANSPORTS, share_y=True) as (figure, axes):
         for panel, transport in zip(axes, TRANSPORTS, strict=True):
             for name in ESTIMATORS:
                 mean, spread = error[transport, name]

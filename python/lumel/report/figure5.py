@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from ..scene import Camera
+from ..scene import LUMINANCE, Camera
 from . import iterations, pictures, plots
 from .areas import Doubles, Indices
 from .figure import Curve, Figure, Picture, Table
 from .iterations import ESTIMATORS, TRANSPORTS, Iterations
 from .lab import BOX, Lab
-from .pictures import LUMINANCE
 
 WORKS = {**iterations.WORKS, "figure5": 3.0}
 RING = 0.04  # radius of the mark, of the width of the picture

@@ -56,17 +56,6 @@ def by_hits(runs: Iterations, truth: Truth, estimator: str) -> dict[int, float]:
 
 def _draw(bins: list[int], found: dict[str, dict[int, float]], gains: dict[str, list[float]]) -> str:
     x = [2.0**b * np.sqrt(2) for b in bins]
-    with plots.panels(("error", "gain over classical")) as (figure, (left, right)):
-        for name in ESTIMATORS:
-            plots.line(left, x, [found[name][b] for b in bins], name)
-        for name, by_bin in gains.items():
-            plots.line(right, x, by_bin, name)
-        right.axhline(1, color=plots.INK, linewidth=1)
-        for panel in (left, right):
-            panel.set(xscale="log", xlabel="expected hits of the area")
-            plots.logarithmic(panel)
-            plots.plain_ticks(panel, [4.0**i for i in range(1, 9) if min(x, default=1) <= 4.0**i <= max(x, default=1)])
-            panel.legend()
-        left.set_ylabel("relative RMSE")
-        right.set_ylabel("MSE of classical / MSE")
-        return plots.to_svg(figure, "hits")
+    error = {name: [found[name][b] for b in bins] for name in ESTIMATORS}
+    ticks = [4.0**i for i in range(1, 9) if min(x, default=1) <= 4.0**i <= max(x, default=1)]
+    return plots.error_and_gain("hits", ("error", "gain over classical"), x, error, gains, xlabel="expected hits of the area", ticks=ticks)

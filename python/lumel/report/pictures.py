@@ -7,10 +7,9 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw
 
 from ..images.png import encode_bytes, encode_png, to_bytes
-from ..scene import FloatArray
+from ..scene import LUMINANCE, FloatArray
 from .figure import Picture
 
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 BRIGHT = 0.97  # quantile of the lit pixels
 SHOWN_AS = 0.8  # linear value of that quantile on the screen
 LARGEST_GAIN = 20.0  # EV

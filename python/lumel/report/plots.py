@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -62,6 +62,32 @@ def line(axes: Axes, x: npt.ArrayLike, y: npt.ArrayLike, name: str, *, error: np
     if error is not None:
         spread = np.asarray(error, np.float64)
         axes.fill_between(x, np.maximum(y - spread, y * 0.05), y + spread, color=COLOURS[name], alpha=0.18, linewidth=0)
+
+
+def error_and_gain(
+    name: str,
+    titles: tuple[str, str],
+    x: Sequence[float],
+    error: Mapping[str, Sequence[float]],
+    gain: Mapping[str, Sequence[float]],
+    *,
+    xlabel: str,
+    ticks: Sequence[float],
+) -> str:
+    """Two panels over a logarithmic `x`, as SVG: relative RMSE by estimator, and how many times larger the error of `classical` is."""
+    with panels(titles) as (figure, (left, right)):
+        for panel, curves in ((left, error), (right, gain)):
+            for estimator, y in curves.items():
+                line(panel, x, y, estimator)
+        right.axhline(1, color=INK, linewidth=1)
+        for panel in (left, right):
+            panel.set(xscale="log", xlabel=xlabel)
+            logarithmic(panel)
+            plain_ticks(panel, ticks)
+            panel.legend()
+        left.set_ylabel("relative RMSE")
+        right.set_ylabel("MSE of classical / MSE")
+        return to_svg(figure, name)
 
 
 def slope(axes: Axes, x: npt.NDArray[np.float64], y: float, power: float, label: str) -> None:

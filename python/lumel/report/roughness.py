@@ -82,17 +82,7 @@ def _mean_square(truth: Truth, value: Doubles) -> float:
 
 def _draw(found: dict[float, dict[str, tuple[float, float]]], gains: dict[str, list[float]]) -> str:
     x = list(found)
-    with plots.panels(("error at equal time", "gain over classical")) as (figure, (left, right)):
-        for name in ESTIMATORS:
-            plots.line(left, x, [found[a][name][0] for a in x], name)
-        for name, by_alpha in gains.items():
-            plots.line(right, x, by_alpha, name)
-        right.axhline(1, color=plots.INK, linewidth=1)
-        for panel in (left, right):
-            panel.set(xscale="log", xlabel="roughness alpha")
-            plots.logarithmic(panel)
-            plots.plain_ticks(panel, x)
-            panel.legend()
-        left.set_ylabel("relative RMSE")
-        right.set_ylabel("MSE of classical / MSE")
-        return plots.to_svg(figure, "roughness")
+    error = {name: [found[a][name][0] for a in x] for name in ESTIMATORS}
+    return plots.error_and_gain(
+        "roughness", ("error at equal time", "gain over classical"), x, error, gains, xlabel="roughness alpha", ticks=x
+    )

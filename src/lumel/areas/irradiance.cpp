@@ -66,7 +66,7 @@ Samples IrradianceAreas::samples(uint32_t side) const {
 double IrradianceAreas::mean_hits() const {
     uint64_t hits = 0, sides = 0;
     for (uint32_t side = 0; side < scene_->sides(); ++side)
-        if (const uint64_t here = tally_.samples(side).hits; here > 0) hits += here, ++sides;
+        if (const uint64_t here = tally_.hits(side); here > 0) hits += here, ++sides;
     return sides > 0 ? static_cast<double>(hits) / static_cast<double>(sides) : 0;
 }
 

@@ -33,8 +33,7 @@ private:
 
 /// The irradiance of every side with a density to weigh it by (Bekaert, Sbert, Willems 2000): g = cos(theta_i) / pi over the side. With
 ///     f/p = L_in cos(theta_i) / (A p)      g/p = cos(theta_i) / (pi A p)
-/// the same estimators apply as to gloss. It asks for a p that covers
-/// the whole hemisphere.
+/// the same estimators apply as to gloss. It asks for a p that covers the whole hemisphere.
 class IrradianceAreas {
 public:
     explicit IrradianceAreas(const Scene& scene) : scene_(&scene), tally_(scene.sides()) {}

@@ -31,8 +31,9 @@ inline double doubt(uint64_t hits) {
     return std::exp(-many * many);
 }
 
-/// F - b (G - 1). Where G > 1 and hits are few, F/G takes over as far as the light around is even, by k = clamp(b G'/F', 0, 1) min(1, G -
-/// 1).
+/// F - b (G - 1). Where G > 1 and hits are few, F/G takes over as far as the light around is even:
+///     k = clamp(b G'/F', 0, 1) min(1, G - 1)
+/// times the doubt is its share.
 inline Estimate corrected_or_ratio(const Samples& own, const Samples& around, Rgb64 b) {
     const Estimate e = corrected(own, b);
     const double light = lum(around.f);
