@@ -25,8 +25,8 @@ LOOK_SAMPLES = 2  # a pixel and pass of that look
 SHORTEST_LOOK = 1.0  # s that must be left for a look to pay
 DRAFT_REPLICAS, DRAFT_RAYS = 2, 1 << 16  # of the first draft, and of each of its replicas
 SHORTEST_WITH_DRAFT = 4.0  # s that a render must have to begin with a draft
-PASS_SAMPLES = 16  # eye samples a pixel between two looks at the clock: those of a pass are spread well, passes are independent
-WANTED_PASSES = 4  # with fewer, passes are made smaller
+PASS_SAMPLES = 16  # of the largest pass of the eye, for the mean pixel; passes grow to it, since what each saw tells where to look next
+INTERRUPTED_SAMPLES = 8  # a pixel at least, after an interruption
 FEWEST_PASSES = 2  # the spread of the passes is part of the error bars
 
 
@@ -215,33 +215,36 @@ class Schedule:
             self._solve_speed = self._step_speed
 
     def _see(self, samples: int) -> None:
-        """`samples` samples a pixel for every camera."""
-        passes = max(min(WANTED_PASSES, samples // LOOK_SAMPLES), FEWEST_PASSES, round(samples / PASS_SAMPLES))
-        if self.was_interrupted:
-            passes = FEWEST_PASSES
-        for done in range(passes):
-            self._pass(max(1, samples // passes))
-            self._tell("eye", 0.7 + 0.3 * (done + 1) / passes)
-            self._draft_of_films(done + 1)
-            if done + 1 >= FEWEST_PASSES and self._stop():
-                break
+        """`samples` samples a pixel for every camera; after an interruption as few as make a picture."""
+        done = passes = 0
+        while done < samples or passes < FEWEST_PASSES:
+            if done >= INTERRUPTED_SAMPLES and self._stop():
+                return
+            size = max(1, min(self._next_pass(done), samples - done))
+            self._pass(size)
+            done, passes = done + size, passes + 1
+            self._tell("eye", 0.7 + 0.3 * min(1.0, done / samples))
+            self._draft_of_films(passes)
 
     def _see_until(self, end: float) -> None:
-        """As many passes as there is time for, at least FEWEST_PASSES, all of as many samples: a first look tells what a sample costs."""
-        room = (end - time.monotonic()) / self._pass(1)
-        samples = max(1, min(PASS_SAMPLES, int(room / WANTED_PASSES)))
-        done = 1
-        if samples > 1 and not self.was_interrupted:
-            self.session.reconstruct()
-            done = 0
+        """As many samples as there is time for, in at least FEWEST_PASSES."""
+        done = passes = 0
+        cost = 0.0  # seconds a sample
         while True:
-            seconds = self._pass(samples)
-            done += 1
-            now = time.monotonic()
-            self._tell("eye", min(1.0, (now - self.started) / (end - self.started)))
-            self._draft_of_films(done)
-            if done >= FEWEST_PASSES and (self._stop() or now + 0.7 * seconds > end):
+            size = self._next_pass(done)
+            room = (end - time.monotonic()) / cost if passes else 1.0
+            if passes >= FEWEST_PASSES and (self._stop() or room < size / 4):
                 return
+            size = max(1, min(size, int(room)))
+            cost = self._pass(size) / size
+            done, passes = done + size, passes + 1
+            self._tell("eye", min(1.0, (time.monotonic() - self.started) / (end - self.started)))
+            self._draft_of_films(passes)
+
+    @staticmethod
+    def _next_pass(done: int) -> int:
+        """Samples of the next pass after `done` samples: as many again."""
+        return max(1, min(done, PASS_SAMPLES))
 
     def _first_draft(self) -> None:
         """A picture of few rays, soon after the start. What it shot is forgotten, so that the result is the same without it."""

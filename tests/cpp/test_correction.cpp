@@ -16,16 +16,19 @@ constexpr uint32_t kSize = 32, kPasses = 32;
 /// A film of a wall whose reconstruction is 1 everywhere, while gathering finds 1 + bias(x) and noise; `near` in the left half.
 Film film_with(const std::function<float(uint32_t)>& bias) {
     Film film(kSize, kSize);
-    for (film.passes = 0; film.passes < kPasses; ++film.passes)
-        for (uint32_t pixel = 0; pixel < kSize * kSize; ++pixel) {
-            EyeSample seen;
-            seen.indirect_diffuse = grey(1), seen.albedo = grey(0.5f), seen.normal = {0, 0, 1}, seen.depth = 2;
-            film.sum[pixel] += seen;
-            Rng rng(key(3, pixel, film.passes));
+    for (uint32_t number = 0; number < kPasses; ++number) {
+        std::vector<PixelPass> pass(film.pixels());
+        for (uint32_t pixel = 0; pixel < film.pixels(); ++pixel) {
+            PixelPass& p = pass[pixel];
+            p.samples = p.gathering = 1;
+            p.sum.indirect_diffuse = grey(1), p.sum.albedo = grey(0.5f), p.sum.normal = {0, 0, 1}, p.sum.depth = 2;
+            Rng rng(key(3, pixel, number));
             const float noise = kNoise * std::sqrt(12.0f) * (rng.uniform() - 0.5f);
             const uint32_t x = pixel % kSize;
-            film.gathered[pixel].add({grey(bias(x) + noise), {}, x < kSize / 2 ? 0.3f : 0.0f, 0}, 1);
+            p.excess = {grey(bias(x) + noise), {}, x < kSize / 2 ? 0.3f : 0.0f, 0};
         }
+        film.add(pass);
+    }
     correct(film);
     return film;
 }

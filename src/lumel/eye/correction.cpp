@@ -18,10 +18,13 @@ constexpr float kEnough = 24;  // gathering samples a pixel: with fewer, less is
 constexpr float kChance = 1;  // standard errors that chance may explain
 
 /// Do two pixels see surfaces whose light is about equally well reconstructed?
-bool alike(const EyeSample& a, const EyeSample& b) {
-    const float normals = dot(a.normal, b.normal), albedo = lum(a.albedo);
+bool alike(const Film& film, size_t pixel, size_t other) {
+    const EyeSample &a = film.sum[pixel], &b = film.sum[other];
+    const float samples_a = film.samples(pixel), samples_b = film.samples(other);
+    const float normals = dot(a.normal, b.normal), depth = a.depth / samples_a, albedo = lum(a.albedo) / samples_a;
     return normals > 0 && sqr(normals) > sqr(kAlikeNormal) * dot(a.normal, a.normal) * dot(b.normal, b.normal) &&
-           std::abs(a.depth - b.depth) <= kAlikeDepth * a.depth && std::abs(lum(b.albedo) - albedo) <= kAlikeAlbedo * albedo;
+           std::abs(depth - b.depth / samples_b) <= kAlikeDepth * depth &&
+           std::abs(lum(b.albedo) / samples_b - albedo) <= kAlikeAlbedo * albedo;
 }
 
 /// One kind of indirect light at a pixel: the mean excess, the variance of that mean, the light itself, how much is near.
@@ -30,12 +33,10 @@ struct Difference {
     float light = 0, near = 0, samples = 0;
 };
 
-Difference difference(Rgb sum, Rgb square, float near, float samples, Rgb light, uint32_t passes) {
+Difference difference(const Gathered& gathered, float light) {
+    const float samples = gathered.excess.count();
     if (!(samples > 0)) return {};
-    const Rgb mean = sum / samples, spread = square / samples - mean * mean;
-    const auto channel = [&](float s) { return std::max(0.0f, s) / static_cast<float>(passes - 1); };
-    return {
-        mean, {channel(spread.x), channel(spread.y), channel(spread.z)}, lum(light) / static_cast<float>(passes), near / samples, samples};
+    return {gathered.excess.mean(), gathered.excess.variance(), light, gathered.near / samples, samples};
 }
 
 /// lum of a variance, as if its channels were one.
@@ -75,10 +76,11 @@ struct Differences {
     const Film& film;
     std::vector<Difference> all;
 
-    template <class Get>
-    Differences(const Film& f, const Get& get) : film(f) {
-        all.reserve(f.sum.size());
-        for (size_t pixel = 0; pixel < f.sum.size(); ++pixel) all.push_back(get(f.gathered[pixel], f.sum[pixel]));
+    /// `light` is the light of that kind in an eye sample.
+    Differences(const Film& f, const std::vector<Gathered>& gathered, Rgb EyeSample::*light) : film(f) {
+        all.reserve(f.pixels());
+        for (size_t pixel = 0; pixel < f.pixels(); ++pixel)
+            all.push_back(difference(gathered[pixel], lum(f.sum[pixel].*light) / f.samples(pixel)));
     }
 
     /// Visit the pixels up to `reach` away to each side, in steps.
@@ -94,7 +96,7 @@ struct Differences {
         std::array<Difference, (2 * kReach + 1) * (2 * kReach + 1)> around;
         size_t count = 0;
         for_each_around(x, y, kReach, 1, [&](size_t other) {
-            if (other == pixel || alike(film.sum[pixel], film.sum[other])) around[count++] = all[other];
+            if (other == pixel || alike(film, pixel, other)) around[count++] = all[other];
         });
         float variance = 0, light = 0;
         for_each_around(x, y, kWide, kStride,
@@ -107,12 +109,8 @@ struct Differences {
 
 void correct(Film& film) {
     if (film.passes < 2) return;
-    const Differences diffuse(film, [&](const Gathered& g, const EyeSample& s) {
-        return difference(g.sum.diffuse, g.square.diffuse, g.sum.near_diffuse, g.samples, s.indirect_diffuse, film.passes);
-    });
-    const Differences specular(film, [&](const Gathered& g, const EyeSample& s) {
-        return difference(g.sum.specular, g.square.specular, g.sum.near_specular, g.samples, s.indirect_specular, film.passes);
-    });
+    const Differences diffuse(film, film.diffuse, &EyeSample::indirect_diffuse),
+        specular(film, film.specular, &EyeSample::indirect_specular);
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
             const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);

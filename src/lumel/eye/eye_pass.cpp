@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "lumel/eye/allocation.h"
 #include "lumel/eye/correction.h"
 #include "lumel/eye/shade.h"
 #include "lumel/sampling/hash.h"
@@ -15,49 +16,48 @@ constexpr uint32_t kProbe = 4;          // one sample in so many gathers where t
 constexpr float kSharp = 0.03f;         // roughness below which patches are too coarse for what is reflected: eye passes gather it
 constexpr uint32_t kSurveySamples = 8;  // per pixel, to find out which patches are visible
 
+/// Add the specular light that was measured in a pixel to all samples of a pass.
+void add_measured(const Reconstructed& specular, PixelPass& pass) {
+    const auto samples = static_cast<float>(pass.samples);
+    pass.sum.indirect_specular += specular.value * samples;
+    pass.sum.solution_stderr += specular.stderr_ * samples;
+    pass.sum.trust = specular.trust * samples;
+    pass.excess.specular = pass.excess.specular - specular.value * static_cast<float>(pass.gathering);
+}
+
 }  // namespace
 
 bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reconstruction& reconstruction, const PixelRadiance* pixels,
               const EyePassConfig& config, const std::atomic<bool>* stop, Film& film) {
     const EyeShader shader(accel, reconstruction, eye, config.direct_light, pixels != nullptr);
-    const float share = 1.0f / static_cast<float>(config.samples);
-    std::vector<EyeSample> pass(film.sum.size());
-    std::vector<Excess> excess(film.sum.size());
-    std::vector<uint32_t> gathered(film.sum.size());
+    const std::vector<uint32_t> samples = samples_of_pass(film, config.samples);
+    std::vector<PixelPass> pass(film.pixels());
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, film.height), [&](const auto& rows) {
         const FlushDenormals flush;
         for (uint32_t y = rows.begin(); y < rows.end(); ++y) {
             if (stop && stop->load(std::memory_order_relaxed)) return;
             for (uint32_t x = 0; x < film.width; ++x) {
                 const size_t pixel = size_t{y} * film.width + x;
+                PixelPass& p = pass[pixel];
+                p.samples = samples[pixel];
+                const auto before = static_cast<uint32_t>(film.samples(pixel));
                 const uint32_t stride = film.correction[pixel].more ? 1 : kProbe;
-                for (uint32_t i = 0; i < config.samples; ++i) {
-                    EyeStream stream(key(config.stream, pixel), i);
+                for (uint32_t i = 0; i < p.samples; ++i) {
+                    EyeStream stream(key(config.stream, pixel), before + i);
                     const Square in_pixel = stream.next();
                     const Square film_point{(static_cast<float>(x) + in_pixel.u) / static_cast<float>(film.width),
                                             (static_cast<float>(y) + in_pixel.v) / static_cast<float>(film.height)};
                     const bool gather = config.gather && i % stride == 0;
                     const EyeShader::Seen seen = shader.sample({camera.origin, camera.direction(film_point)}, gather, stream);
-                    pass[pixel] += seen.sample * share;
-                    if (gather) excess[pixel] += seen.excess, ++gathered[pixel];
+                    p.sum += seen.sample;
+                    if (gather) p.excess += seen.excess, ++p.gathering;
                 }
-                if (gathered[pixel] > 0) excess[pixel] = excess[pixel] * (1 / static_cast<float>(gathered[pixel]));
-                if (!pixels) continue;
-                pass[pixel].indirect_specular += pixels->pixels[pixel].value;
-                pass[pixel].solution_stderr += pixels->pixels[pixel].stderr_;
-                pass[pixel].trust = pixels->pixels[pixel].trust;
-                if (gathered[pixel] > 0) excess[pixel].specular = excess[pixel].specular - pixels->pixels[pixel].value;
+                if (pixels) add_measured(pixels->pixels[pixel], p);
             }
         }
     });
     if (stop && stop->load()) return false;
-    for (size_t pixel = 0; pixel < pass.size(); ++pixel) {
-        const Rgb radiance = pass[pixel].radiance();
-        film.sum[pixel] += pass[pixel];
-        film.square[pixel] += radiance * radiance;
-        film.gathered[pixel].add(excess[pixel], static_cast<float>(gathered[pixel]));
-    }
-    ++film.passes;
+    film.add(pass);
     if (config.gather) correct(film);
     return true;
 }

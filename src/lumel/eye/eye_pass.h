@@ -12,7 +12,7 @@
 namespace lumel {
 
 struct EyePassConfig {
-    uint32_t samples = 16;      ///< per pixel and pass, spread over the pixel (box filter)
+    uint32_t samples = 16;      ///< of this pass, for the mean pixel (see `samples_of_pass`), spread over the pixel (box filter)
     bool direct_light = true;   ///< false without the first shot: then the solution holds the direct light too
     bool gather = true;         ///< gather indirect light where the reconstruction is off; needs direct_light
     uint64_t stream = 0;        ///< key of the random numbers of this pass

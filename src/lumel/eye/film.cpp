@@ -2,26 +2,33 @@
 
 namespace lumel {
 
+void Film::add(std::span<const PixelPass> pass) {
+    for (size_t pixel = 0; pixel < pixels(); ++pixel) {
+        const PixelPass& p = pass[pixel];
+        const auto samples = static_cast<float>(p.samples), gathering = static_cast<float>(p.gathering);
+        sum[pixel] += p.sum;
+        uncorrected[pixel].add(p.sum.radiance() / samples, samples);
+        if (p.gathering == 0) continue;
+        diffuse[pixel].excess.add(p.excess.diffuse / gathering, gathering);
+        specular[pixel].excess.add(p.excess.specular / gathering, gathering);
+        diffuse[pixel].near += p.excess.near_diffuse, specular[pixel].near += p.excess.near_specular;
+    }
+    ++passes;
+}
+
 EyeSample Film::mean(size_t pixel) const {
-    EyeSample seen = sum[pixel] * (1.0f / static_cast<float>(std::max(1u, passes)));
+    EyeSample seen = sum[pixel] * (1 / std::max(1.0f, samples(pixel)));
     // Irradiance is never negative, nor is what a diffuse surface sends.
-    const Rgb diffuse = seen.indirect_diffuse + correction[pixel].value.diffuse;
-    seen.indirect_diffuse = {std::max(0.0f, diffuse.x), std::max(0.0f, diffuse.y), std::max(0.0f, diffuse.z)};
+    const Rgb corrected = seen.indirect_diffuse + correction[pixel].value.diffuse;
+    seen.indirect_diffuse = {std::max(0.0f, corrected.x), std::max(0.0f, corrected.y), std::max(0.0f, corrected.z)};
     seen.indirect_specular += correction[pixel].value.specular;
     seen.solution_stderr *= 1 - correction[pixel].share;
     return seen;
 }
 
 Rgb Film::standard_error(size_t pixel) const {
-    const Rgb uncorrected = sum[pixel].radiance() / static_cast<float>(std::max(1u, passes));
-    const auto channel = [&](float value, float squares, float solution, float correction_error) {
-        if (passes < 2) return solution;
-        const auto n = static_cast<float>(passes);
-        const float spread = std::max(0.0f, squares / n - value * value) / (n - 1);
-        return std::sqrt(spread + solution * solution + correction_error * correction_error);
-    };
-    const Rgb s = square[pixel], e = mean(pixel).solution_stderr, c = correction[pixel].stderr_;
-    return {channel(uncorrected.x, s.x, e.x, c.x), channel(uncorrected.y, s.y, e.y, c.y), channel(uncorrected.z, s.z, e.z, c.z)};
+    const Rgb solution = mean(pixel).solution_stderr, corrected = correction[pixel].stderr_;
+    return square_root(uncorrected[pixel].variance() + solution * solution + corrected * corrected);
 }
 
 }  // namespace lumel

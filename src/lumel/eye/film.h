@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lumel/estimators/trust.h"
+#include "lumel/eye/pass_moments.h"
 #include "lumel/math/vec.h"
 
 namespace lumel {
@@ -50,31 +52,43 @@ struct Correction {
     bool more = false;   ///< gathering changes the pixel: all its samples should gather
 };
 
-/// Sums over passes of what was gathered at a pixel; the mean of a pass counts by its gathering samples.
+/// One kind of light that was gathered at a pixel.
 struct Gathered {
-    Excess sum, square;
-    float samples = 0;
-
-    void add(const Excess& mean, float count) {
-        sum += mean * count;
-        square += Excess{mean.diffuse * mean.diffuse, mean.specular * mean.specular} * count;
-        samples += count;
-    }
+    PassMoments excess;
+    float near = 0;  ///< gathering rays that met something near
 };
 
-/// One entry a pixel, row by row from the upper left.
+/// What one pass saw in a pixel, summed over its samples.
+struct PixelPass {
+    EyeSample sum;
+    Excess excess;
+    uint32_t samples = 0, gathering = 0;  ///< of the samples, those that gathered as well
+};
+
+/// One entry a pixel, row by row from the upper left. A pass counts in a pixel by its samples there.
 struct Film {
     uint32_t width = 0, height = 0;
-    uint32_t passes = 0;             ///< independent passes summed up
-    std::vector<EyeSample> sum;      ///< sum over passes of the mean of a pass
-    std::vector<Rgb> square;         ///< sum over passes of the squared radiance of a pass
-    std::vector<Gathered> gathered;
+    uint32_t passes = 0;            ///< independent passes summed up
+    std::vector<EyeSample> sum;           ///< over the samples of all passes
+    std::vector<PassMoments> uncorrected;  ///< radiance without correction
+    std::vector<Gathered> diffuse, specular;
     std::vector<Correction> correction;
 
     Film(uint32_t w, uint32_t h)
-        : width(w), height(h), sum(size_t{w} * h), square(size_t{w} * h), gathered(size_t{w} * h), correction(size_t{w} * h) {}
+        : width(w),
+          height(h),
+          sum(size_t{w} * h),
+          uncorrected(size_t{w} * h),
+          diffuse(size_t{w} * h),
+          specular(size_t{w} * h),
+          correction(size_t{w} * h) {}
 
-    /// The mean of all passes, corrected.
+    size_t pixels() const { return sum.size(); }
+    /// Samples of all passes.
+    float samples(size_t pixel) const { return uncorrected[pixel].count(); }
+    /// Add a pass, one entry a pixel with at least one sample each.
+    void add(std::span<const PixelPass> pass);
+    /// The mean of all samples, corrected.
     EyeSample mean(size_t pixel) const;
     /// Standard error of the pixel: the spread of the passes and the error of the solution that all of them share.
     Rgb standard_error(size_t pixel) const;
