@@ -113,11 +113,12 @@ std::string render(Transport transport, int threads) {
         const SolverStats& stats = session.solver().stats();
         append(bytes, std::vector<double>{static_cast<double>(stats.rays), static_cast<double>(stats.escaped), stats.lost_flux});
         session.reconstruct();
-        EXPECT_TRUE(session.eye_pass(0, 4));
-        EXPECT_TRUE(session.eye_pass(0, 4));
-        append(bytes, session.film(0).sum), append(bytes, session.film(0).square);
+        for (int pass = 0; pass < 3; ++pass) EXPECT_TRUE(session.eye_pass(0, 4));
+        const Film& film = session.film(0);
+        append(bytes, film.sum);
         std::vector<Rgb> corrected;
-        for (size_t pixel = 0; pixel < session.film(0).sum.size(); ++pixel) corrected.push_back(session.film(0).mean(pixel).radiance());
+        for (size_t pixel = 0; pixel < film.pixels(); ++pixel)
+            corrected.insert(corrected.end(), {film.mean(pixel).radiance(), film.standard_error(pixel)});
         append(bytes, corrected);
     });
     return bytes;

@@ -7,17 +7,15 @@
 #include <stdexcept>
 #include <string>
 
-#ifdef LUMEL_EMBREE4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
+#include "lumel/accel/embree.h"
 
 namespace lumel {
 
 namespace {
 
 constexpr unsigned kFlush = _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON;
+
+constexpr uint32_t kLanes = 8;
 
 RTCRay to_embree(const Ray& ray) {
     RTCRay r;
@@ -28,6 +26,29 @@ RTCRay to_embree(const Ray& ray) {
     return r;
 }
 
+/// The kLanes rays of a block from `first` on.
+void to_embree(const RayBlock& rays, uint32_t first, float reach, std::array<int, kLanes>& valid, RTCRay8& query) {
+    for (uint32_t k = 0; k < kLanes; ++k) {
+        const uint32_t i = first + k;
+        valid[k] = i < rays.size ? rays.traced[i] : 0;
+        query.org_x[k] = rays.origin.x[i], query.org_y[k] = rays.origin.y[i], query.org_z[k] = rays.origin.z[i];
+        query.dir_x[k] = rays.direction.x[i], query.dir_y[k] = rays.direction.y[i], query.dir_z[k] = rays.direction.z[i];
+        query.tnear[k] = 0, query.tfar[k] = reach, query.time[k] = 0;
+        query.mask[k] = 0xffffffffu, query.id[k] = 0, query.flags[k] = 0;
+    }
+}
+
+Hit closest(RTCScene scene, const Ray& ray) {
+    RTCRayHit query;
+    query.ray = to_embree(ray);
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    embree::intersect(scene, query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    const bool back = dot({query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z}, ray.direction) > 0;
+    return {query.hit.primID, query.hit.u, query.hit.v, back};
+}
+
 }  // namespace
 
 FlushDenormals::FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | kFlush); }
@@ -35,36 +56,46 @@ FlushDenormals::~FlushDenormals() { _mm_setcsr(saved_); }
 
 struct Accel::Embree {
     RTCDevice device = nullptr;
-    RTCScene scene = nullptr;
+    RTCScene all = nullptr, lamps = nullptr;
+    std::vector<uint32_t> lamp_triangles;  // of the primitives of `lamps`
 
     ~Embree() {
-        if (scene) rtcReleaseScene(scene);
+        for (RTCScene scene : {all, lamps})
+            if (scene) rtcReleaseScene(scene);
         if (device) rtcReleaseDevice(device);
+    }
+    /// A structure over triangles of a scene.
+    RTCScene build(const Scene& scene, std::span<const Indices> triangles) const {
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        // Embree reads 16 bytes from the last vertex on, so it gets a copy with its own padding.
+        const auto& vertices = scene.vertices();
+        auto* v = static_cast<Vec3*>(
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), vertices.size()));
+        auto* i = static_cast<Indices*>(
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Indices), triangles.size()));
+        if (!v || !i) throw std::runtime_error("Embree is out of memory");
+        std::copy(vertices.begin(), vertices.end(), v);
+        std::copy(triangles.begin(), triangles.end(), i);
+        rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
+        rtcCommitGeometry(geometry);
+        RTCScene built = rtcNewScene(device);
+        rtcSetSceneFlags(built, RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneBuildQuality(built, RTC_BUILD_QUALITY_MEDIUM);
+        rtcAttachGeometry(built, geometry);
+        rtcReleaseGeometry(geometry);
+        rtcCommitScene(built);
+        return built;
     }
 };
 
 Accel::Accel(const Scene& scene) : scene_(&scene), embree_(std::make_unique<Embree>()) {
     embree_->device = rtcNewDevice(nullptr);
     if (!embree_->device) throw std::runtime_error("Embree cannot be started (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
-    RTCGeometry geometry = rtcNewGeometry(embree_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-
-    // Embree reads 16 bytes from the last vertex on, so it gets a copy with its own padding.
-    const auto& vertices = scene.vertices();
-    auto* v = static_cast<Vec3*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), vertices.size()));
-    auto* i = static_cast<Indices*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Indices), scene.triangles()));
-    if (!v || !i) throw std::runtime_error("Embree is out of memory");
-    std::copy(vertices.begin(), vertices.end(), v);
-    std::copy(scene.indices().begin(), scene.indices().end(), i);
-    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
-    rtcCommitGeometry(geometry);
-    embree_->scene = rtcNewScene(embree_->device);
-    rtcSetSceneFlags(embree_->scene, RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(embree_->scene, RTC_BUILD_QUALITY_MEDIUM);
-    rtcAttachGeometry(embree_->scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(embree_->scene);
+    embree_->all = embree_->build(scene, scene.indices());
+    std::vector<Indices> lamps;
+    for (const AreaLamp& lamp : scene.area_lamps())
+        for (uint32_t triangle : lamp.triangles) embree_->lamp_triangles.push_back(triangle), lamps.push_back(scene.indices()[triangle]);
+    if (!lamps.empty()) embree_->lamps = embree_->build(scene, lamps);
     if (const RTCError error = rtcGetDeviceError(embree_->device); error != RTC_ERROR_NONE)
         throw std::runtime_error("Embree cannot build the scene (error " + std::to_string(error) + ")");
 }
@@ -72,44 +103,23 @@ Accel::Accel(const Scene& scene) : scene_(&scene), embree_(std::make_unique<Embr
 Accel::~Accel() = default;
 Accel::Accel(Accel&&) noexcept = default;
 
-Hit Accel::intersect(const Ray& ray) const {
-    RTCRayHit query;
-    query.ray = to_embree(ray);
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-#ifdef LUMEL_EMBREE4
-    rtcIntersect1(embree_->scene, &query);
-#else
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(embree_->scene, &context, &query);
-#endif
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    const bool back = dot({query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z}, ray.direction) > 0;
-    return {query.hit.primID, query.hit.u, query.hit.v, back};
+Hit Accel::intersect(const Ray& ray) const { return closest(embree_->all, ray); }
+
+Hit Accel::intersect_lamps(const Ray& ray) const {
+    if (!embree_->lamps) return {};
+    Hit hit = closest(embree_->lamps, ray);
+    if (!hit.is_miss()) hit.triangle = embree_->lamp_triangles[hit.triangle];
+    return hit;
 }
 
-void Accel::intersect(const RayBlock& rays, HitBlock& hits) const {
-    constexpr uint32_t kLanes = 8;
+void Accel::intersect(const RayBlock& rays, HitBlock& hits, Coherence coherence) const {
     RTCRayHit8 query{};
     alignas(32) std::array<int, kLanes> valid;
     for (uint32_t first = 0; first < rays.size; first += kLanes) {
-        for (uint32_t k = 0; k < kLanes; ++k) {
-            const uint32_t i = first + k;
-            valid[k] = i < rays.size ? rays.traced[i] : 0;
-            query.ray.org_x[k] = rays.origin.x[i], query.ray.org_y[k] = rays.origin.y[i], query.ray.org_z[k] = rays.origin.z[i];
-            query.ray.dir_x[k] = rays.direction.x[i], query.ray.dir_y[k] = rays.direction.y[i], query.ray.dir_z[k] = rays.direction.z[i];
-            query.ray.tnear[k] = 0, query.ray.tfar[k] = INFINITY, query.ray.time[k] = 0;
-            query.ray.mask[k] = 0xffffffffu, query.ray.id[k] = 0, query.ray.flags[k] = 0;
+        to_embree(rays, first, INFINITY, valid, query.ray);
+        for (uint32_t k = 0; k < kLanes; ++k)
             query.hit.geomID[k] = query.hit.instID[0][k] = query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
-        }
-#ifdef LUMEL_EMBREE4
-        rtcIntersect8(valid.data(), embree_->scene, &query);
-#else
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        rtcIntersect8(valid.data(), embree_->scene, &context, &query);
-#endif
+        embree::intersect(valid.data(), embree_->all, coherence == Coherence::kRays, query);
         for (uint32_t k = 0; k < kLanes; ++k) {
             const uint32_t i = first + k;
             const float along = query.hit.Ng_x[k] * query.ray.dir_x[k] + query.hit.Ng_y[k] * query.ray.dir_y[k] +
@@ -122,14 +132,18 @@ void Accel::intersect(const RayBlock& rays, HitBlock& hits) const {
 
 bool Accel::occluded(const Ray& ray) const {
     RTCRay query = to_embree(ray);
-#ifdef LUMEL_EMBREE4
-    rtcOccluded1(embree_->scene, &query);
-#else
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(embree_->scene, &context, &query);
-#endif
+    embree::occluded(embree_->all, query);
     return query.tfar < 0;
+}
+
+void Accel::occluded(const RayBlock& segments, std::array<bool, RayBlock::kMost>& blocked) const {
+    RTCRay8 query{};
+    alignas(32) std::array<int, kLanes> valid;
+    for (uint32_t first = 0; first < segments.size; first += kLanes) {
+        to_embree(segments, first, 1, valid, query);
+        embree::occluded(valid.data(), embree_->all, query);
+        for (uint32_t k = 0; k < kLanes; ++k) blocked[first + k] = query.tfar[k] < 0;
+    }
 }
 
 }  // namespace lumel

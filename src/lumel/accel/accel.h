@@ -57,6 +57,9 @@ private:
     unsigned saved_;
 };
 
+/// What neighbours in a block have in common: about their origins alone, or their directions too, as rays from one eye have.
+enum class Coherence { kOrigins, kRays };
+
 /// An acceleration structure; safe to use from many threads.
 class Accel {
 public:
@@ -67,8 +70,12 @@ public:
 
     Hit intersect(const Ray& ray) const;
     /// Closest hits of all rays of a block, eight at a time: faster than one by one where neighbours start near each other.
-    void intersect(const RayBlock& rays, HitBlock& hits) const;
+    void intersect(const RayBlock& rays, HitBlock& hits, Coherence coherence = Coherence::kOrigins) const;
+    /// Closest hit among the area lamps, as if there were nothing else.
+    Hit intersect_lamps(const Ray& ray) const;
     bool occluded(const Ray& ray) const;
+    /// For all rays of a block that are traced, whether anything is met between origin and origin + direction.
+    void occluded(const RayBlock& segments, std::array<bool, RayBlock::kMost>& blocked) const;
     /// Do two points see each other? Both must already be off their surfaces.
     bool visible(Vec3 a, Vec3 b) const { return !occluded({a, b - a, 1.0f}); }
 

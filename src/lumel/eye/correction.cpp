@@ -15,7 +15,9 @@ constexpr float kAlikeNormal = 0.8f;   // cosine
 constexpr float kAlikeDepth = 0.1f, kAlikeAlbedo = 0.25f;  // relative differences
 constexpr float kNear = 0.05f;         // share of rays that must have met something near; twice that, and all is believed
 constexpr float kEnough = 24;  // gathering samples a pixel: with fewer, less is believed, for rare bright rays may not have come yet
-constexpr float kChance = 1;  // standard errors that chance may explain
+constexpr float kProbed = 64;  // gathering samples around that met nothing near: hardly any will
+constexpr float kMostBeyond = 2.5f;  // root mean squares that a pixel may differ from those around: rare bright rays differ by more
+constexpr float kChance = 1;     // standard errors that chance may explain
 
 /// Do two pixels see surfaces whose light is about equally well reconstructed?
 bool alike(const Film& film, size_t pixel, size_t other) {
@@ -35,7 +37,7 @@ struct Difference {
 
 Difference difference(const Gathered& gathered, float light) {
     const float samples = gathered.excess.count();
-    if (!(samples > 0)) return {};
+    if (!gathered.excess.has_spread()) return {};
     return {gathered.excess.mean(), gathered.excess.variance(), light, gathered.near / samples, samples};
 }
 
@@ -68,7 +70,9 @@ Part part(const Difference& own, std::span<const Difference> around, float usual
     const float trust = std::min(1.0f, near / kNear - 1) * std::min(1.0f, samples / kEnough),
                 of_one = std::max(noise(variance), usual * light);
     const float smooth = trust * share(sqr(lum(mean)), of_one / count, 1, passes), single = trust * share(beyond, of_one, count, passes);
-    return {mean * smooth + (own.mean - mean) * single, variance * (sqr(smooth) / count + sqr(single)), std::max(smooth, single)};
+    const Rgb differs = own.mean - mean;
+    const float limit = std::min(1.0f, kMostBeyond * std::sqrt(beyond) / std::max(std::abs(lum(differs)), 1e-30f));
+    return {mean * smooth + differs * (single * limit), variance * (sqr(smooth) / count + sqr(single)), std::max(smooth, single)};
 }
 
 /// The differences of one kind of light in all pixels.
@@ -90,6 +94,16 @@ struct Differences {
             for (int i = x - reach; i <= x + reach; i += step)
                 if (i >= 0 && j >= 0 && i < static_cast<int>(film.width) && j < static_cast<int>(film.height))
                     body(size_t{film.width} * static_cast<size_t>(j) + static_cast<size_t>(i));
+    }
+    /// Rays that were gathered here and in the pixels around, and whether any met something near.
+    struct Probe {
+        float samples = 0;
+        bool near = false;
+    };
+    Probe probe(int x, int y) const {
+        Probe p;
+        for_each_around(x, y, kReach, 1, [&](size_t other) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
+        return p;
     }
     Part at(int x, int y) const {
         const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
@@ -114,10 +128,19 @@ void correct(Film& film) {
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
             const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
+            const auto probe_d = diffuse.probe(x, y), probe_s = specular.probe(x, y);
+            Correction& correction = film.correction[pixel];
+            correction = {};
+            if (!probe_d.near && !probe_s.near) {
+                if (probe_d.samples > kProbed) correction.stride = Correction::kSeldom;
+                continue;
+            }
             const Part d = diffuse.at(x, y), s = specular.at(x, y);
             const float light_d = std::abs(diffuse.all[pixel].light), light_s = std::abs(specular.all[pixel].light);
-            const float share = light_d + light_s > 0 ? (d.share * light_d + s.share * light_s) / (light_d + light_s) : 0;
-            film.correction[pixel] = {{d.value, s.value}, square_root(d.variance + s.variance), share, d.share > 0 || s.share > 0};
+            correction.value = {d.value, s.value};
+            correction.stderr_ = square_root(d.variance + s.variance);
+            if (light_d + light_s > 0) correction.share = (d.share * light_d + s.share * light_s) / (light_d + light_s);
+            if (d.share > 0 || s.share > 0) correction.stride = 1;
         }
     });
 }

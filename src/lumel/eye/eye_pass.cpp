@@ -5,14 +5,13 @@
 
 #include "lumel/eye/allocation.h"
 #include "lumel/eye/correction.h"
-#include "lumel/eye/shade.h"
+#include "lumel/eye/eye_rays.h"
 #include "lumel/sampling/hash.h"
 
 namespace lumel {
 
 namespace {
 
-constexpr uint32_t kProbe = 4;          // one sample in so many gathers where that changed nothing yet
 constexpr float kSharp = 0.03f;         // roughness below which patches are too coarse for what is reflected: eye passes gather it
 constexpr uint32_t kSurveySamples = 8;  // per pixel, to find out which patches are visible
 
@@ -34,29 +33,20 @@ bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reco
     std::vector<PixelPass> pass(film.pixels());
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, film.height), [&](const auto& rows) {
         const FlushDenormals flush;
+        EyeRays rays(accel, shader, camera, pass);
         for (uint32_t y = rows.begin(); y < rows.end(); ++y) {
             if (stop && stop->load(std::memory_order_relaxed)) return;
-            for (uint32_t x = 0; x < film.width; ++x) {
-                const size_t pixel = size_t{y} * film.width + x;
-                PixelPass& p = pass[pixel];
-                p.samples = samples[pixel];
+            for (uint32_t pixel = y * film.width; pixel < (y + 1) * film.width; ++pixel) {
                 const auto before = static_cast<uint32_t>(film.samples(pixel));
-                const uint32_t stride = film.correction[pixel].more ? 1 : kProbe;
-                for (uint32_t i = 0; i < p.samples; ++i) {
-                    EyeStream stream(key(config.stream, pixel), before + i);
-                    const Square in_pixel = stream.next();
-                    const Square film_point{(static_cast<float>(x) + in_pixel.u) / static_cast<float>(film.width),
-                                            (static_cast<float>(y) + in_pixel.v) / static_cast<float>(film.height)};
-                    const bool gather = config.gather && i % stride == 0;
-                    const EyeShader::Seen seen = shader.sample({camera.origin, camera.direction(film_point)}, gather, stream);
-                    p.sum += seen.sample;
-                    if (gather) p.excess += seen.excess, ++p.gathering;
-                }
-                if (pixels) add_measured(pixels->pixels[pixel], p);
+                const uint32_t stride = film.correction[pixel].stride;
+                for (uint32_t i = before; i < before + samples[pixel]; ++i)
+                    rays.add(pixel, EyeStream(key(config.stream, pixel), i), config.gather && i % stride == 0);
             }
+            rays.finish();
         }
     });
     if (stop && stop->load()) return false;
+    for (size_t pixel = 0; pixels && pixel < film.pixels(); ++pixel) add_measured(pixels->pixels[pixel], pass[pixel]);
     film.add(pass);
     if (config.gather) correct(film);
     return true;

@@ -49,7 +49,10 @@ struct Correction {
     Excess value;
     Rgb stderr_;         ///< of the value
     float share = 0;     ///< of what was gathered in the indirect light: 0 where the reconstruction is kept, 1 where it is replaced
-    bool more = false;   ///< gathering changes the pixel: all its samples should gather
+    uint32_t stride = kProbe;  ///< one eye sample in so many should gather
+
+    static constexpr uint32_t kProbe = 4;    ///< while nothing is known; where gathering changes the pixel, all do
+    static constexpr uint32_t kSeldom = 32;  ///< where nothing is near
 };
 
 /// One kind of light that was gathered at a pixel.

@@ -16,6 +16,8 @@ public:
         sum_ += mean * count, sum2_ += mean * (count * count), squares_ += mean * mean * (count * count);
     }
     float count() const { return count_; }
+    /// Were there two passes, so that `variance` means something?
+    bool has_spread() const { return count_ * count_ > count2_; }
     /// Of all samples.
     Rgb mean() const { return sum_ / std::max(1.0f, count_); }
     /// Variance of `mean`; 0 with fewer than two passes. A pass counts by the square of its size, as its error does in the mean: so large

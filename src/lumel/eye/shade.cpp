@@ -30,10 +30,10 @@ LobeDraw draw_lobe(const Surface& x, Vec3 wo, Square s) {
 
 }  // namespace
 
-EyeShader::Meeting EyeShader::meet(Ray& ray, EyeStream& stream) const {
+EyeShader::Meeting EyeShader::meet(Ray& ray, const Hit& first, EyeStream& stream) const {
     Meeting m;
     for (; m.mirrors < kMirrors; ++m.mirrors) {
-        m.hit = accel_.intersect(ray);
+        m.hit = m.mirrors == 0 ? first : accel_.intersect(ray);
         if (m.hit.is_miss()) return m;
         const Surface x(scene_, m.hit.point(), m.hit.back);
         if (m.mirrors == 0) m.distance = length(x.x - ray.origin);
@@ -61,8 +61,8 @@ EyeShader::Meeting EyeShader::meet(Ray& ray, EyeStream& stream) const {
     return m;
 }
 
-EyeShader::Seen EyeShader::sample(Ray ray, bool gather, EyeStream& stream) const {
-    const Meeting m = meet(ray, stream);
+EyeShader::Seen EyeShader::sample(Ray ray, const Hit& first, bool gather, EyeStream& stream) const {
+    const Meeting m = meet(ray, first, stream);
     Seen seen;
     EyeSample& s = seen.sample;
     s.depth = m.distance;
@@ -78,7 +78,7 @@ EyeShader::Seen EyeShader::sample(Ray ray, bool gather, EyeStream& stream) const
     const float cos = dot(x.shading, wo);
     const bool glossy = x.material->is_glossy() && cos > 0;
     s.albedo = m.throughput * (x.material->diffuse + (glossy ? x.material->albedo_s(cos) : Rgb{}));
-    if (direct_light_) s.direct = lamps(x, wo, stream);
+    if (direct_light_) seen.lamps = lamps(x, wo, stream);
     const float size = std::sqrt(scene_.patch_area(scene_.patch_of(p)));
     const Reconstructed irradiance = reconstruction_.irradiance(p, back);
     s.indirect_diffuse = x.material->diffuse * irradiance.value * kInvPi;
@@ -92,7 +92,7 @@ EyeShader::Seen EyeShader::sample(Ray ray, bool gather, EyeStream& stream) const
         if (m.mirrors == 0 && !pixels_) specular = reconstruction_.specular(eye_, p, back);
         const bool measured = specular || measured_in_pixel;
         const LobeLight light = lobe(x, wo, gather || !measured, size * std::max(1.0f, kRoundLobe / x.material->alpha), stream);
-        s.direct += light.direct;
+        seen.lobe = light.direct;
         if (specular) {
             s.indirect_specular = specular->value;
             s.solution_stderr += specular->stderr_;
@@ -110,13 +110,13 @@ EyeShader::Seen EyeShader::sample(Ray ray, bool gather, EyeStream& stream) const
         seen.excess.diffuse = x.material->diffuse * brought.radiance - s.indirect_diffuse;
         seen.excess.near_diffuse = brought.near ? 1.0f : 0.0f;
     }
-    for (Rgb* radiance :
-         {&s.direct, &s.indirect_diffuse, &s.indirect_specular, &s.solution_stderr, &seen.excess.diffuse, &seen.excess.specular})
+    for (Rgb* radiance : {&seen.lamps.radiance, &seen.lobe.radiance, &s.indirect_diffuse, &s.indirect_specular, &s.solution_stderr,
+                          &seen.excess.diffuse, &seen.excess.specular})
         *radiance *= m.throughput;
     return seen;
 }
 
-Rgb EyeShader::lamps(const Surface& x, Vec3 wo, EyeStream& stream) const {
+LampLight EyeShader::lamps(const Surface& x, Vec3 wo, EyeStream& stream) const {
     const LampView view(scene_, x, &wo);
     const float choice = stream.next_one();
     const LampSample lamp = view.sample(choice, stream.next());
@@ -129,8 +129,19 @@ Rgb EyeShader::lamps(const Surface& x, Vec3 wo, EyeStream& stream) const {
         const float other = lamp.is_point ? 0.0f : ggx::pdf_w(local_o, wi, x.material->alpha);
         scatter += x.material->scatter_s(wi, local_o) * (lamp.pdf_w / (lamp.pdf_w + other));
     }
-    if (!accel_.visible(x.off(scene_.epsilon()), lamp.target)) return {};
-    return scatter * lamp.radiance * (1 / lamp.pdf_w);
+    return {x.off(scene_.epsilon()), lamp.target, scatter * lamp.radiance * (1 / lamp.pdf_w)};
+}
+
+LampLight EyeShader::lamp_along(const Surface& x, Vec3 wo, const Ray& ray, Rgb scatter, float pdf_w) const {
+    const Hit hit = accel_.intersect_lamps(ray);
+    if (hit.is_miss() || hit.back) return {};
+    const Vec3 y = scene_.position(hit.point());
+    float share = 1;
+    if (direct_light_) {
+        const float sampled = LampView(scene_, x, &wo).pdf_w(hit.triangle, ray.direction, length(y - ray.origin));
+        share = pdf_w / (pdf_w + sampled);
+    }
+    return {ray.origin, y + scene_.geometric_normal(hit.triangle) * scene_.epsilon(), scatter * scene_.emission(hit.triangle) * share};
 }
 
 EyeShader::LobeLight EyeShader::lobe(const Surface& x, Vec3 wo, bool indirect, float size, EyeStream& stream) const {
@@ -138,25 +149,16 @@ EyeShader::LobeLight EyeShader::lobe(const Surface& x, Vec3 wo, bool indirect, f
     const LobeDraw draw = draw_lobe(x, wo, stream.next());
     if (!(draw.pdf_w > 0)) return {};
     const Ray ray{x.off(scene_.epsilon()), draw.wi};
-    LobeLight light;
-    const Hit hit = accel_.intersect(ray);
-    if (!hit.is_miss() && !hit.back && scene_.lamp_of(hit.triangle) >= 0) {
-        const Rgb emission = draw.scatter * scene_.emission(hit.triangle);
-        if (direct_light_)
-            light.direct = emission * share_of_lobe(x, wo, draw.pdf_w, ray, hit);
-        else if (indirect)
-            light.indirect = emission;
-    }
-    if (indirect) {
-        const Brought brought = gather(ray, draw.scatter, false, size, stream);
-        light.indirect += brought.radiance, light.near = brought.near;
+    LobeLight light{lamp_along(x, wo, ray, draw.scatter, draw.pdf_w), {}};
+    if (!indirect) return light;
+    const Brought brought = gather(ray, draw.scatter, false, size, stream);
+    light.indirect = brought.radiance, light.near = brought.near;
+    if (!direct_light_) {
+        // The solution holds the light of lamps, and what is seen of them in gloss belongs to it.
+        if (is_lit(light.direct)) light.indirect += light.direct.radiance;
+        light.direct = {};
     }
     return light;
-}
-
-float EyeShader::share_of_lobe(const Surface& x, Vec3 wo, float pdf_w, const Ray& ray, const Hit& hit) const {
-    const float distance = length(scene_.position(hit.point()) - ray.origin);
-    return pdf_w / (pdf_w + LampView(scene_, x, &wo).pdf_w(hit.triangle, ray.direction, distance));
 }
 
 EyeShader::Brought EyeShader::gather_irradiance(const Surface& x, float size, EyeStream& stream) const {
@@ -169,7 +171,7 @@ EyeShader::Brought EyeShader::gather(Ray ray, Rgb throughput, bool coarse, float
     Brought brought;
     Rgb& sum = brought.radiance;
     for (int step = 0; step < kLobes; ++step) {
-        const Meeting m = meet(ray, stream);
+        const Meeting m = meet(ray, accel_.intersect(ray), stream);
         sum += throughput * m.mirrored_emission;
         if (m.hit.is_miss()) break;
         throughput *= m.throughput;
@@ -185,7 +187,8 @@ EyeShader::Brought EyeShader::gather(Ray ray, Rgb throughput, bool coarse, float
             break;
         }
         sum += throughput * x.material->diffuse * reconstruction_.irradiance(m.hit.point(), m.hit.back).value * kInvPi;
-        if (direct_light_) sum += throughput * lamps(x, wo, stream);
+        if (direct_light_)
+            if (const LampLight light = lamps(x, wo, stream); is_lit(light)) sum += throughput * light.radiance;
 
         // Follow one sample of the specular lobe; roulette ends it by its albedo.
         if (!x.material->is_glossy()) break;
@@ -197,9 +200,7 @@ EyeShader::Brought EyeShader::gather(Ray ray, Rgb throughput, bool coarse, float
         ray = {x.off(scene_.epsilon()), draw.wi};
 
         // A lamp that it meets at once could have been sampled from x as well.
-        const Hit hit = accel_.intersect(ray);
-        if (!hit.is_miss() && !hit.back && scene_.lamp_of(hit.triangle) >= 0)
-            sum += throughput * scene_.emission(hit.triangle) * (direct_light_ ? share_of_lobe(x, wo, draw.pdf_w, ray, hit) : 1.0f);
+        if (const LampLight light = lamp_along(x, wo, ray, {1, 1, 1}, draw.pdf_w); is_lit(light)) sum += throughput * light.radiance;
     }
     return brought;
 }

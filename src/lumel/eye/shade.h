@@ -22,6 +22,14 @@ private:
     uint64_t dimension_ = 0;
 };
 
+/// Light of a lamp that counts if nothing is between two points.
+struct LampLight {
+    Vec3 from, to;
+    Rgb radiance;  ///< 0: none
+
+    explicit operator bool() const { return max_component(radiance) > 0; }
+};
+
 class EyeShader {
 public:
     /// `direct_light`: lamps are sampled here, the solution is without their light. `pixels`: the specular light of what is seen
@@ -29,12 +37,15 @@ public:
     EyeShader(const Accel& accel, const Reconstruction& reconstruction, uint32_t eye, bool direct_light, bool pixels)
         : accel_(accel), scene_(accel.scene()), reconstruction_(reconstruction), eye_(eye), direct_light_(direct_light), pixels_(pixels) {}
 
-    /// What a ray sees, and if `gather` (lamps must be sampled here), what one gathering ray of each lobe finds beyond it.
+    /// What a ray sees, and what one gathering ray of each lobe finds beyond it. `direct` of the sample is without the light of the
+    /// lamps: its shadow rays are left to the caller, who can trace those of many samples together.
     struct Seen {
         EyeSample sample;
         Excess excess;
+        LampLight lamps, lobe;  ///< direct light by sampling lamps, and by sampling the specular lobe
     };
-    Seen sample(Ray ray, bool gather, EyeStream& stream) const;
+    /// `first`: what the ray meets. `gather`: send gathering rays, too (lamps must be sampled here).
+    Seen sample(Ray ray, const Hit& first, bool gather, EyeStream& stream) const;
 
 private:
     /// A surface met after any number of mirrors.
@@ -46,18 +57,20 @@ private:
         float distance = 0;      ///< of the first surface, mirror or not
         int mirrors = 0;
     };
-    Meeting meet(Ray& ray, EyeStream& stream) const;
+    Meeting meet(Ray& ray, const Hit& first, EyeStream& stream) const;
     /// Lamp light reflected at x, by sampling lamps: diffuse alone, and specular weighed against lobe sampling.
-    Rgb lamps(const Surface& x, Vec3 wo, EyeStream& stream) const;
-    /// Light that one ray of the specular lobe brings: from lamps (weighed against `lamps`), and if `indirect`, from the solution too.
-    /// `size`: see `gather`.
+    LampLight lamps(const Surface& x, Vec3 wo, EyeStream& stream) const;
+    /// Light of the lamp that a ray of the specular lobe points to; where lamps are sampled weighed against `lamps`, which could have drawn
+    /// it (balance heuristic). `scatter`: w_s / pdf_w.
+    LampLight lamp_along(const Surface& x, Vec3 wo, const Ray& ray, Rgb scatter, float pdf_w) const;
+    bool is_lit(const LampLight& light) const { return light && accel_.visible(light.from, light.to); }
+    /// Light that one ray of the specular lobe brings: from lamps, and if `indirect`, from the solution too. `size`: see `gather`.
     struct LobeLight {
-        Rgb direct, indirect;
+        LampLight direct;
+        Rgb indirect;
         bool near = false;  ///< see Brought
     };
     LobeLight lobe(const Surface& x, Vec3 wo, bool indirect, float size, EyeStream& stream) const;
-    /// Share that a lamp met by a ray of the lobe has against `lamps`, which could have drawn it: the balance heuristic.
-    float share_of_lobe(const Surface& x, Vec3 wo, float pdf_w, const Ray& ray, const Hit& hit) const;
     /// What one ray brings.
     struct Brought {
         Rgb radiance;
