@@ -258,6 +258,67 @@ TEST(Accel, no_ray_escapes_a_closed_mesh) {
     EXPECT_LT(missed, kAimed / 1000);
 }
 
+TEST(Accel, blocks_and_single_rays_agree) {
+    const Scene scene = soup(11).build(500);
+    const Accel accel(scene);
+    Rng rng(6);
+    for (int round = 0; round < 20; ++round) {
+        // From one point, or from anywhere; the last rays of the block are left out.
+        RayBlock rays{.size = RayBlock::kMost - 3};
+        const Vec3 eye = scene.centre() + square_to_sphere(square(rng)) * (2 * scene.radius());
+        for (uint32_t i = 0; i < rays.size; ++i) {
+            const Vec3 origin = round % 2 ? eye : scene.centre() + square_to_sphere(square(rng)) * scene.radius();
+            rays.origin.set(i, origin), rays.direction.set(i, scene.centre() + square_to_sphere(square(rng)) * scene.radius() - origin);
+            rays.traced[i] = i + 5 < rays.size ? -1 : 0;
+        }
+        HitBlock hits;
+        std::array<bool, RayBlock::kMost> blocked;
+        accel.intersect(rays, hits, round % 2 ? Coherence::kRays : Coherence::kOrigins);
+        accel.occluded(rays, blocked);
+        for (uint32_t i = 0; i < rays.size; ++i) {
+            const bool traced = rays.traced[i] != 0;
+            const Hit hit = traced ? accel.intersect(rays[i]) : Hit{};
+            ASSERT_EQ(hits[i].triangle, hit.triangle);
+            ASSERT_TRUE(hit.is_miss() || hits[i].back == hit.back);
+            ASSERT_EQ(blocked[i], traced && accel.occluded({rays.origin[i], rays.direction[i], 1}));
+        }
+    }
+}
+
+TEST(Accel, lamps_alone) {
+    SceneBuilder b;
+    const uint32_t white = b.material(matt(0.5f));
+    b.shape(white).box({-1, -1, -1}, {1, 1, 1}, true);
+    b.shape(white, grey(1)).quad({-0.5f, -0.5f, 0.5f}, {1, 0, 0}, {0, 1, 0});
+    b.shape(white).quad({-0.9f, -0.9f, 0}, {1.8f, 0, 0}, {0, 1.8f, 0});
+    b.shape(white, grey(2)).quad({-0.5f, -0.5f, -0.5f}, {0, 1, 0}, {1, 0, 0});
+    const Scene scene = b.build(100);
+    const Accel accel(scene);
+    Rng rng(8);
+    int found = 0;
+    for (int i = 0; i < 10000; ++i) {
+        const Ray ray{square_to_sphere(square(rng)) * 0.4f, square_to_sphere(square(rng))};
+        // What a ray meets behind all that is no lamp.
+        Hit expected;
+        for (Ray rest = ray; expected.is_miss();) {
+            const Hit hit = accel.intersect(rest);
+            if (hit.is_miss()) break;
+            if (scene.lamp_of(hit.triangle) >= 0) expected = hit;
+            rest.origin = scene.position(hit.point()) + rest.direction * 1e-5f;
+        }
+        const Hit hit = accel.intersect_lamps(ray);
+        ASSERT_EQ(hit.triangle, expected.triangle);
+        if (hit.is_miss()) continue;
+        ++found;
+        ASSERT_EQ(hit.back, expected.back);
+    }
+    EXPECT_GT(found, 1000);
+    SceneBuilder dark;
+    dark.shape(dark.material(matt(0.5f))).box({-1, -1, -1}, {1, 1, 1}, true);
+    const Scene unlit = dark.build(12);
+    EXPECT_TRUE(Accel(unlit).intersect_lamps({{}, {0, 0, 1}}).is_miss());
+}
+
 TEST(Accel, sides_and_visibility) {
     SceneBuilder b;
     b.shape(b.material(matt(0.5f))).quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
