@@ -27,8 +27,21 @@ EyeSample Film::mean(size_t pixel) const {
 }
 
 Rgb Film::standard_error(size_t pixel) const {
+    // A few passes may agree by chance: for its light, a sample is held to vary at least as it does in the mean pixel around.
+    const auto x = static_cast<uint32_t>(pixel % width), y = static_cast<uint32_t>(pixel / width);
+    Rgb around;
+    float count = 0;
+    for (uint32_t j = y > 0 ? y - 1 : 0; j <= y + 1 && j < height; ++j)
+        for (uint32_t i = x > 0 ? x - 1 : 0; i <= x + 1 && i < width; ++i, ++count) {
+            const PassMoments& other = uncorrected[size_t{width} * j + i];
+            const float light = lum(other.mean());
+            if (light > 0) around += other.variance() * (other.count() / sqr(light));
+        }
+    const Rgb own = uncorrected[pixel].variance(),
+              least = around * (sqr(lum(uncorrected[pixel].mean())) / (count * std::max(1.0f, samples(pixel))));
+    const Rgb spread{std::max(own.x, least.x), std::max(own.y, least.y), std::max(own.z, least.z)};
     const Rgb solution = mean(pixel).solution_stderr, corrected = correction[pixel].stderr_;
-    return square_root(uncorrected[pixel].variance() + solution * solution + corrected * corrected);
+    return square_root(spread + solution * solution + corrected * corrected);
 }
 
 }  // namespace lumel
