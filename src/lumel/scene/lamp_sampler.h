@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 
 #include "lumel/scene/area_lamp_view.h"
 #include "lumel/scene/surface.h"
@@ -21,17 +20,20 @@ struct LampSample {
 class LampView {
 public:
     /// With `wo` lamps count by what x reflects of them to there, without it by irradiance.
-    explicit LampView(const Scene& scene, const Surface& x, const Vec3* wo = nullptr) : scene_(&scene), x_(&x) {
-        if (wo && x.material->is_glossy()) {
-            frame_.emplace(x.shading);
-            wo_ = frame_->to_local(*wo);
+    explicit LampView(const Scene& scene, const Surface& x, const Vec3* wo = nullptr)
+        : scene_(&scene), x_(&x), count_(scene.lamps().size()), glossy_(wo && x.material->is_glossy()) {
+        if (glossy_) {
+            const Material& m = *x.material;
+            wo_ = *wo, cos_o_ = dot(x.shading, *wo);
+            alpha_ = m.alpha, diffuse_ = lum(m.diffuse) * kInvPi, specular_ = lum(m.specular);
         }
-        const auto& areas = scene.area_lamps();
-        const auto& points = scene.point_lamps();
-        count_ = static_cast<uint32_t>(areas.size() + points.size());
         // A view costs time for every lamp that it weighs: among very many, one is found by the tree.
         if (count_ > kMost) return;
-        for (uint32_t i = 0; i < count_; ++i) total_ += weight_[i] = weigh(i);
+        if (glossy_)
+            weigh_all<true>();
+        else
+            weigh_all<false>();
+        for (uint32_t i = 0; i < count_; ++i) total_ += weight_[i];
     }
 
     /// `choice` in [0, 1) selects the lamp, `s` the point on it.
@@ -52,6 +54,7 @@ public:
 
 private:
     static constexpr uint32_t kMost = 96;
+    static constexpr float kClosest = 1e-12f;  // m2
 
     struct Choice {
         uint32_t lamp = 0;
@@ -101,9 +104,26 @@ private:
         return probability;
     }
 
-    float weigh(uint32_t lamp) const {
-        const auto& areas = scene_->area_lamps();
-        return lamp < areas.size() ? weigh(areas[lamp]) : weigh(scene_->point_lamps()[lamp - areas.size()]);
+    /// Weigh all lamps; the compiler makes vector code of the loop.
+    template <bool kGlossy>
+    void weigh_all() {
+        const LampArrays& l = scene_->lamps();
+        const uint32_t count = count_;
+        for (uint32_t i = 0; i < count; ++i) weight_[i] = weigh<kGlossy>(l, i);
+    }
+    float weigh(uint32_t lamp) const { return glossy_ ? weigh<true>(scene_->lamps(), lamp) : weigh<false>(scene_->lamps(), lamp); }
+    /// Estimate of what a lamp contributes, never 0 where there may be something.
+    template <bool kGlossy>
+    [[gnu::always_inline]] float weigh(const LampArrays& l, uint32_t lamp) const {
+        const Vec3 to = Vec3{l.x[lamp], l.y[lamp], l.z[lamp]} - x_->x, lamp_normal{l.nx[lamp], l.ny[lamp], l.nz[lamp]};
+        const float radius = l.radius[lamp], above = dot(to, x_->normal) + radius;
+        const float d2 = std::max(std::max(dot(to, to), 0.25f * sqr(radius)), kClosest), d = std::sqrt(d2);
+        const float cos = l.round[lamp] - dot(to, lamp_normal) / d;
+        // Seen from next to a flat lamp, some of it is in front although its centre is at the side.
+        const float seen = std::max(std::min(1.0f, cos + 0.25f * sqr(radius) / d2), 0.02f);
+        const float irradiance = l.power[lamp] * std::max(0.05f, std::min(1.0f, above / d)) * seen / d2;
+        const float scattered = kGlossy ? irradiance * brdf(to / d, radius / d) : irradiance;
+        return std::min(above, cos) > 0 ? scattered : 0.0f;
     }
     /// The same for all lamps of a node, which are somewhere in its ball.
     float weigh(const LampTree::Node& node) const {
@@ -112,38 +132,15 @@ private:
         const float above = dot(to, x_->normal) + node.ball.radius;
         if (!(above > 0)) return 0;
         const float d2 = std::max(dot(to, to), sqr(node.ball.radius)), d = std::sqrt(d2);
-        return node.ball.power * std::max(0.05f, std::min(1.0f, above / d)) / d2 * brdf(to / d, node.ball.radius / d);
-    }
-    /// Estimate of the irradiance, never 0 where there may be some.
-    float weigh(const AreaLamp& lamp) const {
-        const Vec3 to = lamp.centre - x_->x;
-        const float above = dot(to, x_->normal) + lamp.radius;
-        if (!(above > 0)) return 0;
-        const float d2 = std::max(dot(to, to), 0.25f * sqr(lamp.radius)), d = std::sqrt(d2);
-        const float flatness = length(lamp.normal);
-        float cos = 1;
-        if (flatness > 0.9999f) {
-            cos = -dot(to, lamp.normal) / (flatness * d);
-            if (!(cos > 0)) return 0;
-            // Seen from next to a flat lamp, some of it is in front although its centre is at the side.
-            cos = std::min(1.0f, cos + 0.25f * sqr(lamp.radius) / d2);
-        }
-        const float irradiance = lum(lamp.radiance) * lamp.area * std::max(0.05f, std::min(1.0f, above / d)) * std::max(cos, 0.02f) / d2;
-        return irradiance * brdf(to / d, lamp.radius / d);
-    }
-    float weigh(const PointLamp& lamp) const {
-        const Vec3 to = lamp.position - x_->x;
-        const float d2 = std::max(dot(to, to), 1e-12f), d = std::sqrt(d2), cos = dot(to, x_->normal);
-        return cos > 0 ? lum(lamp.intensity) * std::max(0.05f, cos / d) / d2 * brdf(to / d, 0) : 0.0f;
+        return node.ball.power * std::max(0.05f, std::min(1.0f, above / d)) / d2 *
+               (glossy_ ? brdf(to / d, node.ball.radius / d) : 1.0f);
     }
     /// BRDF for light from about `wi`, the lobe widened by what the lamp subtends, and never quite without the lobe.
-    float brdf(Vec3 wi, float subtended) const {
-        if (!frame_) return 1;
-        const Material& m = *x_->material;
-        const float alpha = std::min(1.0f, m.alpha + 0.5f * subtended);
-        const Vec3 local = frame_->to_local(wi);
-        const float lobe = ggx::eval(local, wo_, alpha).f_cos / std::max(local.z, 0.05f);
-        return lum(m.diffuse) * kInvPi + lum(m.specular) * std::max(lobe, 0.1f * kInvPi);
+    [[gnu::always_inline]] float brdf(Vec3 wi, float subtended) const {
+        const float alpha = std::min(1.0f, alpha_ + 0.5f * subtended), cos_i = dot(x_->shading, wi);
+        const Vec3 across = wi + wo_ - x_->shading * (cos_i + cos_o_);
+        const float lobe = ggx::eval_with_pdf(cos_i, cos_o_, dot(across, across), alpha).f;
+        return diffuse_ + specular_ * std::max(lobe * std::min(1.0f, cos_i / 0.05f), 0.1f * kInvPi);
     }
     LampSample on_area(const AreaLamp& lamp, float choice, Square s, float probability) const {
         const AreaLampView::Sample found = AreaLampView(*scene_, lamp, x_->x).sample(choice, s);
@@ -158,10 +155,11 @@ private:
 
     const Scene* scene_;
     const Surface* x_;
-    uint32_t count_ = 0;
+    uint32_t count_;
     float total_ = 0;
-    std::optional<Frame> frame_;  // of a glossy surface that is looked at
+    bool glossy_;  // and looked at: then what follows is set
     Vec3 wo_;
+    float cos_o_ = 0, alpha_ = 0, diffuse_ = 0, specular_ = 0;
     std::array<float, kMost> weight_;
 };
 

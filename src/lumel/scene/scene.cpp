@@ -183,10 +183,11 @@ void Scene::find_lamps() {
         for (uint32_t t : lamp.triangles)
             for (uint32_t vertex : indices_[t]) lamp.radius = std::max(lamp.radius, length(vertices_[vertex] - lamp.centre));
     }
+    for (const AreaLamp& lamp : area_lamps_) lamps_.add(lamp.centre, lamp.normal, lamp.radius, lum(lamp.radiance) * lamp.area);
+    for (const PointLamp& lamp : point_lamps_) lamps_.add(lamp.position, {}, 0, lum(lamp.intensity));
     std::vector<LampBall> balls;
-    balls.reserve(area_lamps_.size() + point_lamps_.size());
-    for (const AreaLamp& lamp : area_lamps_) balls.push_back({lamp.centre, lamp.radius, lum(lamp.radiance) * lamp.area});
-    for (const PointLamp& lamp : point_lamps_) balls.push_back({lamp.position, 0, lum(lamp.intensity)});
+    for (uint32_t i = 0; i < lamps_.size(); ++i)
+        balls.push_back({{lamps_.x[i], lamps_.y[i], lamps_.z[i]}, lamps_.radius[i], lamps_.power[i]});
     lamp_tree_ = LampTree(balls);
 }
 

@@ -6,6 +6,7 @@
 
 #include "lumel/math/frame.h"
 #include "lumel/sampling/distribution.h"
+#include "lumel/scene/lamp_arrays.h"
 #include "lumel/scene/lamp_tree.h"
 #include "lumel/scene/material.h"
 #include "lumel/scene/side_order.h"
@@ -127,7 +128,8 @@ public:
     // Lamps
     const std::vector<AreaLamp>& area_lamps() const { return area_lamps_; }
     const std::vector<PointLamp>& point_lamps() const { return point_lamps_; }
-    /// Over all lamps: area lamps first, then point lamps.
+    /// Of all lamps: area lamps first, then point lamps.
+    const LampArrays& lamps() const { return lamps_; }
     const LampTree& lamp_tree() const { return lamp_tree_; }
     /// Lamp of a triangle, or -1.
     int lamp_of(uint32_t triangle) const { return shape_lamp_[shape_[triangle]]; }
@@ -161,6 +163,7 @@ private:
     uint32_t glossy_patches_ = 0;
     SideOrder side_order_;
     std::vector<AreaLamp> area_lamps_;
+    LampArrays lamps_;
     LampTree lamp_tree_;
     std::vector<PointLamp> point_lamps_;
     MeshReport report_;
