@@ -18,6 +18,7 @@ REPLICAS = 16  # independent solves that error bars rest on
 FEWEST_REPLICAS = 4
 RAYS_PER_STEP = 1 << 20
 LARGEST_SOLVE = 2  # times RAYS_PER_STEP, or the rays that the patches need, that the solve of a replica may be as large as
+RAYS_PER_PATCH = 8  # of a replica: below this, fewer replicas are better
 SOLVE_SHARE = 0.25  # of a replica's time, for its own solution by power (transports `rays` and `bundles`)
 SHOOT_SHARE = 0.4  # of the time that is left after the scene is ready, while nothing is known of it
 LOOK_AFTER = 3  # replicas, a first look at the pictures divides the time
@@ -306,7 +307,9 @@ class Schedule:
     # Sizes
 
     def _replicas(self, work: int, most: int = sys.maxsize) -> int:
-        wanted = max(min(REPLICAS, work // self.pace.per_replica), work // self.pace.most_per_replica)
+        # The first shot of a replica costs time for every patch.
+        least = max(self.pace.per_replica, int(RAYS_PER_PATCH * self.patches / self.pace.rays))
+        wanted = max(min(REPLICAS, work // least), work // self.pace.most_per_replica)
         return max(2, min(most, max(FEWEST_REPLICAS, wanted)))
 
     def _pilot_rays(self, seconds: float) -> int:

@@ -48,7 +48,7 @@ inline void run_replica(const Stage& stage, Transport transport, const Illuminat
     uint64_t rays = 0;
     switch (transport) {
     case Transport::kWalk:
-        walk(stage.accel, stage.defensive, light.emitters(solve), config, sink);
+        walk(stage.accel, stage.defensive, light.emitters(), config, sink);
         break;
     case Transport::kRays: {
         FrozenLight frozen(stage.accel, stage.defensive, light, {config.rays / 2, 0, solve}, rays);

@@ -66,7 +66,9 @@ void Solver::step(uint64_t work) {
     switch (config_.transport) {
     case Transport::kWalk: {
         const auto first = static_cast<uint64_t>(weight / reflections_) + 1;
-        const uint64_t shot = walk(*accel_, *defensive_, light_->emitters(key(stream, kLamps)), {first, config_.defensive, stream}, sink);
+        Emitters emitters = light_->emitters();
+        if (steps_ > 1) light_->refresh(key(stream, kLamps), emitters);
+        const uint64_t shot = walk(*accel_, *defensive_, std::move(emitters), {first, config_.defensive, stream}, sink);
         reflections_ = std::clamp(static_cast<double>(shot) / static_cast<double>(first), 1.0, 100.0);
         stats_.rays += shot;
         weight_ += weight;

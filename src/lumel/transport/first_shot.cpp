@@ -29,6 +29,26 @@ DirectSample sample_direct(const Accel& accel, uint32_t side, uint32_t index, ui
     return {lamp.wi, lamp.radiance * (cos / lamp.pdf_w), cos};
 }
 
+/// Writes `count` samples of the light of lamps to the records of a side, if it is glossy.
+class LampRecorder {
+public:
+    LampRecorder(const Scene& scene, uint32_t side, uint32_t count, Emitters& emitters)
+        : material_(scene.material(scene.triangle_of_side(side))),
+          area_(scene.side_area(side) / static_cast<float>(count)),
+          records_(emitters.open_records(scene, side)) {}
+
+    void operator()(uint32_t i, const DirectSample& direct) const {
+        if (records_.empty()) return;
+        const Rgb flux = direct.irradiance * area_;
+        records_[i] = {direct.wi, flux, lum(flux * material_.albedo_s(direct.cos))};
+    }
+
+private:
+    const Material& material_;
+    float area_;  // for each of the samples, m2
+    std::span<Record> records_;
+};
+
 template <class Body>
 void for_each_reachable_side(const Scene& scene, const DefensiveStarts& reachable, const Body& body) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 512), [&](const auto& range) {
@@ -40,11 +60,18 @@ void for_each_reachable_side(const Scene& scene, const DefensiveStarts& reachabl
 
 }  // namespace
 
-std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& reachable, uint32_t samples, uint64_t stream) {
-    std::vector<Rgb> irradiance(accel.scene().sides());
-    for_each_reachable_side(accel.scene(), reachable, [&](uint32_t side) {
+std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& reachable, uint32_t samples, uint64_t stream,
+                                   Emitters& emitters) {
+    const Scene& scene = accel.scene();
+    std::vector<Rgb> irradiance(scene.sides());
+    for_each_reachable_side(scene, reachable, [&](uint32_t side) {
+        const LampRecorder record(scene, side, std::min<uint32_t>(samples, kLampRecords), emitters);
         Rgb64 sum;
-        for (uint32_t i = 0; i < samples; ++i) sum += sample_direct(accel, side, i, stream).irradiance;
+        for (uint32_t i = 0; i < samples; ++i) {
+            const DirectSample direct = sample_direct(accel, side, i, stream);
+            sum += direct.irradiance;
+            if (i < kLampRecords) record(i, direct);
+        }
         irradiance[side] = (sum * (1.0 / samples)).to_float();
     });
     return irradiance;
@@ -54,15 +81,9 @@ void record_lamps(const Accel& accel, const DefensiveStarts& reachable, uint64_t
                   uint32_t parts) {
     const Scene& scene = accel.scene();
     for_each_reachable_side(scene, reachable, [&](uint32_t side) {
-        if (side % parts != part) return;
-        const auto records = emitters.open_records(scene, side);
-        if (records.empty()) return;
-        const Material& material = scene.material(scene.triangle_of_side(side));
-        for (int i = 0; i < kLampRecords; ++i) {
-            const DirectSample direct = sample_direct(accel, side, static_cast<uint32_t>(i), stream);
-            const Rgb flux = direct.irradiance * (scene.side_area(side) / kLampRecords);
-            records[i] = {direct.wi, flux, lum(flux * material.albedo_s(direct.cos))};
-        }
+        if (side % parts != part || scene.glossy_index(side) == Scene::kNone) return;
+        const LampRecorder record(scene, side, kLampRecords, emitters);
+        for (uint32_t i = 0; i < kLampRecords; ++i) record(i, sample_direct(accel, side, i, stream));
     });
 }
 

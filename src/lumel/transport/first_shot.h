@@ -6,8 +6,10 @@
 
 namespace lumel {
 
-/// Direct irradiance of every side that light can reach, W/m2 (per side, RGB), from `samples` points with one shadow ray each.
-std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& reachable, uint32_t samples, uint64_t stream);
+/// Direct irradiance of every side that light can reach, W/m2 (per side, RGB), from `samples` points with one shadow ray each. The first of
+/// them leave their directions in `emitters`, for glossy sides.
+std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& reachable, uint32_t samples, uint64_t stream,
+                                   Emitters& emitters);
 
 /// Draw anew, for glossy sides, directions to lamps with the light that comes from there; the other records stay. Only every `parts`-th
 /// side is drawn, those that leave the remainder `part`: where there are more sides than rays, old directions serve a few steps.

@@ -47,7 +47,7 @@ void add(const Scene& scene, const Emitters& part, uint64_t stream, Emitters& to
 IteratedBundles::IteratedBundles(const Accel& accel, const DefensiveStarts& defensive, const Illumination& light,
                                  const BundleConfig& config)
     : BundleLight(accel, defensive, light, config),
-      lamps_(light.emitters(key(config.stream, kLamps))),
+      lamps_(light.emitters()),
       over_mirrors_(accel.scene()),
       reflected_(accel.scene()),
       chains_(std::min(kMostChains, bundles_of_batch(accel.scene()))) {

@@ -12,7 +12,7 @@ enum Stream : uint64_t { kLamps = 21, kShoot, kScatter, kMerge };
 
 FrozenLight::FrozenLight(const Accel& accel, const DefensiveStarts& defensive, const Illumination& light, const WalkConfig& config,
                          uint64_t& rays)
-    : emitters_(light.emitters(key(config.stream, kLamps))), next_(accel.scene()) {
+    : emitters_(light.emitters()), next_(accel.scene()) {
     uint64_t generation = 0;
     rays += walk(accel, defensive, emitters_, config, [&](const Generation& g) {
         for (size_t side = 0; side < emitters_.diffuse.size(); ++side) emitters_.diffuse[side] += g.next.diffuse[side];
