@@ -32,7 +32,7 @@ DIRECT_SAMPLES = 4  # shadow rays a side and replica for the first shot
 def render(
     scene: Scene,
     *,
-    transport: str = "rays",
+    transport: str | None = None,
     areas: str = "patches",
     estimator: str = "auto",
     defensive: float | None = None,
@@ -61,7 +61,8 @@ def render(
     """Render `scene` by shooting light.
 
     transport: `rays` (shoot from a solved state), `walk` (random walks from the lights) or `bundles` (the whole scene at once along one
-    direction after the other). areas: `patches` or `pixels`, where the light in gloss is measured. estimator: `auto`,
+    direction after the other); None: `rays`, or `bundles` where a time of 30 s or more is given and a trial finds them better.
+    areas: `patches` or `pixels`, where the light in gloss is measured. estimator: `auto`,
     `weighted`, `regression` or `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene and
     estimator). gather: gathering rays for every glossy area in view per 2^20 shooting rays or 1024 directions, under one
     density with them (None: 16, and 0 for `classical`). weight_diffuse: weigh diffuse light, too (None: where the estimator
@@ -92,7 +93,7 @@ def render(
     session = _core.Session(
         scene=core,
         cameras=[camera_to_core(c) for c in cameras],
-        transport=transport,
+        transport=settings.first_transport,
         areas=areas,
         estimator=estimator,
         defensive=-1.0 if defensive is None else defensive,
@@ -106,16 +107,20 @@ def render(
         window=window or 0,
     )
     schedule = Schedule(
-        session, len(cameras), core.patches, transport, iteration == "plain", started, progress, interrupted or (lambda: False)
-    )
+        session, len(cameras), core.patches, settings.first_transport, settings.is_free, iteration == "plain", started, progress,
+        interrupted or (lambda: False),
+    )  # fmt: skip
+    if transport is None:
+        schedule.why = "by default; with a time of 30 s or more others are tried"
 
     def result(explained: bool) -> Result:
         pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
         schedule.error = math.hypot(*schedule.errors())
         stats = _stats(session, schedule, clock.monotonic() - started, core.patches)
-        notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(settings, stats), *_bundled(settings, stats))
-        story = _explanation(core, session, scene, settings, stats) if explained else None
-        return Result(pictures, _patches(core, session, scene), _metadata(scene, settings, stats), stats, notes, story)
+        used = replace(settings, transport=schedule.transport)
+        notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(used, stats), *_bundled(used, stats))
+        story = _explanation(core, session, scene, used, stats) if explained else None
+        return Result(pictures, _patches(core, session, scene), _metadata(scene, used, stats), stats, notes, story)
 
     if draft:
         schedule.draft = lambda: draft(result(explained=False))
@@ -136,7 +141,7 @@ def _work(schedule: Schedule, settings: Settings, patches: int) -> None:
 
 def _work_of(quality: Quality, settings: Settings, patches: int) -> int:
     """Rays or directions of a quality."""
-    return quality.directions if settings.transport == "bundles" else max(quality.rays, quality.rays_per_patch * patches)
+    return quality.directions if settings.first_transport == "bundles" else max(quality.rays, quality.rays_per_patch * patches)
 
 
 def describe(scene: Scene, patches: int | None = None) -> dict[str, Any]:
@@ -187,7 +192,7 @@ def scene_hash(scene: Scene) -> str:
 def _explanation(core: _core.Scene, session: _core.Session, scene: Scene, settings: Settings, stats: dict[str, object]) -> Explanation:
     from .explanation import explain
 
-    return explain(session, scene, core.lamp_areas, settings.cameras(scene), settings.transport, settings.estimator, stats)
+    return explain(session, scene, core.lamp_areas, settings.cameras(scene), settings.first_transport, settings.estimator, stats)
 
 
 def _dark(scene: Scene, pictures: dict[str, dict[str, FloatArray]]) -> Iterator[str]:
@@ -240,7 +245,7 @@ def _metadata(scene: Scene, settings: Settings, stats: dict[str, object]) -> dic
         "version": __version__,
         "scene": scene.source,
         "scene hash": scene_hash(scene),
-        "transport": settings.transport,
+        "transport": settings.first_transport,
         "areas": settings.areas,
         "estimator": settings.estimator,
         "seed": str(settings.seed),
@@ -260,6 +265,8 @@ def _picture(layers: dict[str, FloatArray]) -> dict[str, FloatArray]:
 def _stats(session: _core.Session, schedule: Schedule, seconds: float, patches: int) -> dict[str, object]:
     return {
         **session.stats,
+        "transport": schedule.transport,
+        "why_transport": schedule.why,
         f"{schedule.pace.unit}_per_s": schedule.speed,
         "time": seconds,
         "error": schedule.error,

@@ -26,6 +26,10 @@ LOOK_SAMPLES = 2  # a pixel and pass of that look
 SHORTEST_LOOK = 1.0  # s that must be left for a look to pay
 DRAFT_REPLICAS, DRAFT_RAYS = 2, 1 << 16  # of the first draft, and of each of its replicas
 SHORTEST_WITH_DRAFT = 4.0  # s that a render must have to begin with a draft
+TRIED = ("rays", "bundles")  # transports that a time is worth trying for
+SHORTEST_WITH_TRIAL = 30.0  # s that a render must have to begin with a trial of them
+TRIAL_SHARE, TRIAL_REPLICAS = 0.04, 3  # of the time for the trial of each
+CLEARLY = 0.7  # of the error of `rays` times time: what is less pays
 PASS_SAMPLES = 16  # of the largest pass of the eye, for the mean pixel; passes grow to it, since what each saw tells where to look next
 INTERRUPTED_SAMPLES = 8  # a pixel at least, after an interruption
 FEWEST_PASSES = 2  # the spread of the passes is part of the error bars
@@ -57,6 +61,7 @@ class Schedule:
     cameras: int
     patches: int
     transport: str
+    free: bool  # may another transport be chosen?
     plain: bool  # are bundles iterated plainly?
     started: float
     show: Callable[[Progress], None] | None = None
@@ -64,6 +69,7 @@ class Schedule:
     draft: Callable[[], None] | None = None
     error: float = math.nan
     was_interrupted: bool = False
+    why: str = "as asked for"  # of the transport
     _drafted: float = field(default=0.0, init=False)  # seconds after the start
     _shooting_s: float = field(default=0.0, init=False)
     _step_speed: float = field(default=0.0, init=False)  # work a second of the last step
@@ -89,6 +95,8 @@ class Schedule:
         end = self.started + seconds
         if seconds >= SHORTEST_WITH_DRAFT:
             self._first_draft()
+        if self.free and seconds >= SHORTEST_WITH_TRIAL:
+            self._choose_transport(seconds * TRIAL_SHARE)
         begin = time.monotonic()
         stop = begin + max(0.0, end - begin) * SHOOT_SHARE
         replicas, replica = 1, 0
@@ -246,6 +254,35 @@ class Schedule:
     def _next_pass(done: int) -> int:
         """Samples of the next pass after `done` samples: as many again."""
         return max(1, min(done, PASS_SAMPLES))
+
+    def _choose_transport(self, seconds: float) -> None:
+        """Go on with the transport that brings the least error in the same time; what the trials shot is forgotten."""
+        cost = {transport: self._try_transport(transport, seconds) for transport in TRIED}
+        first, *others = TRIED
+        best = min((t for t in others if cost[t] < CLEARLY * cost[first]), key=cost.__getitem__, default=first)
+        compared = ", ".join(f"{cost[t] / max(cost[best], 1e-30):.2g} times that of {best} with {t}" for t in TRIED if t != best)
+        self.why = f"in a trial the squared error at equal time was {compared}"
+        self._use_transport(best)
+
+    def _try_transport(self, transport: str, seconds: float) -> float:
+        """Squared relative error of the solution that a transport reaches, times the seconds that this took."""
+        self._use_transport(transport)
+        for replica in range(TRIAL_REPLICAS):
+            until = time.monotonic() + seconds / TRIAL_REPLICAS
+            self._begin(self._pilot_rays(seconds))
+            if replica == 0:
+                self._step(max(self.pace.least, int(self._pilot_rays(seconds) / self.pace.rays)))
+            self._steps_until(until, until)
+            self.session.end_replica()
+        self.session.reconstruct()
+        for _ in range(FEWEST_PASSES):
+            self._pass(1)
+        solution, _ = self.errors()
+        return solution**2 * self._shooting_s
+
+    def _use_transport(self, transport: str) -> None:
+        self.session.change_transport(transport)
+        self.transport, self._shooting_s, self._step_speed, self._solve_speed = transport, 0.0, 0.0, 0.0
 
     def _first_draft(self) -> None:
         """A picture of few rays, soon after the start. What it shot is forgotten, so that the result is the same without it."""

@@ -15,6 +15,7 @@ from .result import DIAGNOSTICS, LAYERS
 from .scene import Camera, Scene
 
 TRANSPORTS = ("rays", "walk", "bundles")
+DEFAULT_TRANSPORT = "rays"
 ITERATIONS = ("frozen", "plain")
 WINDOWS = (16, 4096)  # least and most pixels of an edge
 AREAS = ("patches", "pixels")
@@ -45,7 +46,7 @@ QUALITIES = {
 class Settings:
     """The settings of `lumel.render`, with the same names and defaults."""
 
-    transport: str = "rays"
+    transport: str | None = None
     areas: str = "patches"
     estimator: str = "auto"
     defensive: float | None = None
@@ -96,6 +97,16 @@ class Settings:
             name: str(value) for name, value in said.items() if name not in ("layers", "camera", "threads", "rays", "directions", "time")
         }
 
+    @property
+    def first_transport(self) -> str:
+        """The transport to start with: the one that was asked for."""
+        return DEFAULT_TRANSPORT if self.transport is None else self.transport
+
+    @property
+    def is_free(self) -> bool:
+        """May another transport be chosen? Not where one is asked for, nor what only the first one has."""
+        return self.transport is None and self.defensive is None and self.weight_diffuse is None
+
     def gather_rays(self) -> float:
         """Gathering rays for every measured area per 2^20 shooting rays."""
         if self.gather is not None:
@@ -108,7 +119,7 @@ class Settings:
 
     def _names(self) -> Iterator[str]:
         choices = {
-            "transport": (self.transport, TRANSPORTS),
+            "transport": (self.first_transport, TRANSPORTS),
             "areas": (self.areas, AREAS),
             "estimator": (self.estimator, tuple(_core.estimators())),
             "quality": (self.quality, tuple(QUALITIES)),
@@ -149,11 +160,11 @@ class Settings:
 
     def _bundles(self) -> Iterator[str]:
         """What has a meaning with bundles alone, or with all but them."""
-        bundles = self.transport == "bundles"
+        bundles = self.first_transport == "bundles"
         for name in ("rays", "defensive", "weight_diffuse") if bundles else ("directions", "window", "iteration"):
             if (value := getattr(self, name)) != getattr(Settings, name):
                 others = " and ".join(other for other in TRANSPORTS if (other == "bundles") != bundles)
-                yield f"{name} is {value}, which the transport {self.transport} does not have; allowed: with {others}"
+                yield f"{name} is {value}, which the transport {self.first_transport} does not have; allowed: with {others}"
         if self.window is not None and not WINDOWS[0] <= self.window <= WINDOWS[1]:
             yield f"window is {self.window}; allowed: {WINDOWS[0]} to {WINDOWS[1]} pixels"
 

@@ -10,7 +10,7 @@ import typer
 # typer looks at these annotations when it runs, so they stand outside TYPE_CHECKING.
 Scene = Annotated[str, typer.Argument(metavar="SCENE", help="Mitsuba XML, OBJ, PLY or STL file, or a built-in scene such as lumel:demo.")]
 Outputs = Annotated[list[Path], typer.Option("--output", "-o", metavar="OUT.exr|OUT.png", help="Picture to write; repeat for several.")]
-Transport = Annotated[str | None, typer.Option("--transport", metavar="walk|rays|bundles", help="How light is carried; rays by default.")]
+Transport = Annotated[str | None, typer.Option("--transport", metavar="walk|rays|bundles", help="How light is carried; chosen by default.")]
 Areas = Annotated[str | None, typer.Option("--areas", metavar="patches|pixels", help="Where gloss is measured; patches by default.")]
 Estimator = Annotated[
     str | None,

@@ -23,6 +23,8 @@ def show(result: Result, files: Sequence[Path], *, as_json: bool) -> None:
         print("stopped early, on request")
     if line := numbers(result.stats):
         print(line)
+    if why := result.stats.get("why_transport"):
+        print(f"transport {result.stats['transport']}: {why}")
     if "directions" in result.stats:
         print(bundles(result.stats))
     for note in result.notes:

@@ -41,6 +41,11 @@ public:
     const std::vector<Camera>& cameras() const { return cameras_; }
     Solver& solver() { return *solver_; }
     Transport transport() const { return config_.solver.transport; }
+    /// Forget what was shot and go on with another transport.
+    void change_transport(Transport transport) {
+        config_.solver.transport = transport;
+        solver_->change_transport(transport);
+    }
     bool is_plain() const { return transport() == Transport::kBundles && config_.solver.iteration == Iteration::kPlain; }
 
     /// Irradiance that was shot, W/m2, weighed if it was asked for.
