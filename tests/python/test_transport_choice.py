@@ -15,7 +15,7 @@ def chosen(monkeypatch: pytest.MonkeyPatch, costs: Mapping[str, float] | None = 
     """A short render with trials; of these costs, where they are given."""
     monkeypatch.setattr(schedule, "SHORTEST_WITH_TRIAL", 0.5)
     if costs:
-        monkeypatch.setattr(schedule.Schedule, "_try_transport", lambda self, transport, seconds: costs[transport])
+        monkeypatch.setattr(schedule.Schedule, "_try_transport", lambda _self, transport, _seconds: costs[transport])
     return lumel.render(lumel.load("lumel:cornell"), time=1.0, size=(32, 24), patches=500, **settings)  # type: ignore[arg-type]
 
 
