@@ -46,17 +46,19 @@ std::vector<std::vector<Fragment>> fragment_lists(const Scene& scene, const Wind
         const int64_t twice_area = turn(v[0], v[1], v[2]);
         if (twice_area == 0) continue;
         const DepthPlane plane(v[0], v[1], v[2], twice_area);
-        const Outline outline(v, twice_area > 0, scene.divisions(t), scene.place(patch));
+        const Outline whole(v, twice_area > 0, 1, {}), outline(v, twice_area > 0, scene.divisions(t), scene.place(patch));
         const auto [x0, x1] = std::minmax({outline.corners[0].x, outline.corners[1].x, outline.corners[2].x});
         const auto [y0, y1] = std::minmax({outline.corners[0].y, outline.corners[1].y, outline.corners[2].y});
         for (int64_t y = y0 / outline.pixel; y * outline.pixel <= y1; ++y) {
             std::vector<int32_t> row;
             for (int64_t x = x0 / outline.pixel; x * outline.pixel <= x1; ++x)
                 if (outline.covers(x, y)) row.push_back(static_cast<int32_t>(x));
-            // The depth of the first pixel of a row, and a whole step to each further one.
+            // The depth of the first pixel of the triangle in the row, and a whole step to each further one.
+            int32_t first = row.empty() ? 0 : row[0];
+            while (first > 0 && whole.covers(first - 1, y)) --first;
             const auto depth = [&](int32_t x) {
-                const double d = plane.depth + plane.slope_y * (static_cast<double>(y) - plane.y) + plane.slope_x * (row[0] - plane.x);
-                return std::nearbyint(std::clamp(d, plane.lowest, plane.highest)) + (x - row[0]) * plane.step;
+                const double d = plane.depth + plane.slope_y * (static_cast<double>(y) - plane.y) + plane.slope_x * (first - plane.x);
+                return std::nearbyint(std::clamp(d, plane.lowest, plane.highest)) + (x - first) * plane.step;
             };
             for (int32_t x : row)
                 lines[static_cast<size_t>(y) * window.resolution + static_cast<size_t>(x)].push_back({depth(x), patch, twice_area > 0});

@@ -8,7 +8,7 @@ namespace lumel {
 inline constexpr int kSubpixelBits = 8;
 /// Places along one edge of a pixel where a vertex can be.
 inline constexpr int64_t kSubpixels = int64_t{1} << kSubpixelBits;
-/// Depths are whole numbers from -kDepthRange to kDepthRange over the diameter of the scene, and linear along each row of a patch without
+/// Depths are whole numbers from -kDepthRange to kDepthRange over the diameter of the scene, and linear along each row of a triangle without
 /// rounding: two pixels of a row grow by 2 kDepthRange at most, the farthest is Window::kMostResolution away, and 53 bits hold all.
 inline constexpr double kDepthRange = 0x1p39;
 
@@ -17,6 +17,9 @@ struct SnappedVertex {
     int32_t x = 0, y = 0;
     double depth = 0;
 };
+
+/// The first pixel of a row or column whose centre is not below `s`, in subpixels.
+constexpr int32_t first_pixel(int32_t s) { return static_cast<int32_t>((s + kSubpixels - 1) >> kSubpixelBits); }
 
 /// Snap all vertices of `scene` into `snapped`. Vertices in the same place are snapped to the same place.
 void project(const Scene& scene, const Window& window, std::vector<SnappedVertex>& snapped);

@@ -8,28 +8,41 @@ namespace lumel {
 void RowSweep::resize(uint32_t width, uint32_t patches) {
     events_.assign(width / 64 + 1, 0), crossings_.assign(width / 64 + 1, 0);
     first_begin_.assign(width + 1, kNone), first_end_.assign(width + 1, kNone);
-    lights_.resize(size_t{patches} + 2);
-
-    // Nothing sends nothing. It counts the lines: what it receives from behind is sent by the last patch of each, if there is one.
-    lights_[patches] = lights_[patches + 1] = {};
-    lights_[patches + 1].sent_against = PatchLight::Flow{0, 0, 0, 1};
+    lights_.resize(patches), pixels_.assign(patches, 0);
     spans_.resize(std::max<size_t>(spans_.size(), 2));
     constexpr double kFar = std::numeric_limits<double>::infinity();
-    spans_[kFront] = {.depth_at_0 = -kFar, .end = kNone, .patch = patches, .parity = RowSpan::kOpenParity, .farther = kBehind};
-    spans_[kBehind] = {.depth_at_0 = kFar, .end = kNone, .patch = patches + 1, .parity = RowSpan::kOpenParity};
+    spans_[kFront] = {.depth_at_0 = -kFar, .end = kNone, .parity = RowSpan::kOpenParity, .farther = kBehind};
+    spans_[kBehind] = {.depth_at_0 = kFar, .end = kNone, .parity = RowSpan::kOpenParity};
 }
 
 /// Two neighbours have seen each other up to before pixel `x`.
-inline void RowSweep::exchange_until(uint32_t x, const RowSpan& near, const RowSpan& far) {
-    const uint32_t pixels = x - near.since;
-    exchange(lights_[near.patch], lights_[far.patch], pixels);
-    if (unturned_ == 0 || !near.faces_like(far)) return;
-    const Rgb both = PatchLight::colour(lights_[near.patch].sent_along + lights_[far.patch].sent_against);
-    counters_.mispaired += to_double(both) * static_cast<double>(pixels);
+inline void RowSweep::exchange_until(uint32_t x, RowSpan& near, RowSpan& far) {
+    uint32_t from = near.since;
+    if (from >= x) return;
+    if (&near == &spans_[kFront]) {
+        if (&far != &spans_[kBehind]) counters_.lines += x - from;
+        return;
+    }
+    if (&far == &spans_[kBehind]) return;
+    const PatchRun *a = &runs_[near.run_to_farther], *b = &runs_[far.run_to_nearer];
+    while (a->end <= from) ++a;
+    while (b->end <= from) ++b;
+    const bool faces = unturned_ != 0 && near.faces_like(far);
+    do {
+        const uint32_t to = std::min({x, a->end, b->end});
+        exchange(lights_[a->patch], lights_[b->patch], to - from);
+        if (faces) {
+            const Rgb both = PatchLight::colour(lights_[a->patch].sent_along + lights_[b->patch].sent_against);
+            counters_.mispaired += to_double(both) * static_cast<double>(to - from);
+        }
+        from = to;
+        a += a->end == to, b += b->end == to;
+    } while (from < x);
+    near.run_to_farther = static_cast<uint32_t>(a - runs_.data()), far.run_to_nearer = static_cast<uint32_t>(b - runs_.data());
 }
 
 inline void RowSweep::part(RowSpan& near, uint32_t x) {
-    const RowSpan& far = spans_[near.farther];
+    RowSpan& far = spans_[near.farther];
     exchange_until(x, near, far);
     unturned_ -= near.faces_like(far);
 }
@@ -134,20 +147,11 @@ void RowSweep::run() {
             events_[word] &= ~bit, crossings_[word] &= ~bit;
         }
     }
-    // What nothing received leaves the scene.
-    PatchLight &front = lights_[lights_.size() - 2], &behind = lights_.back();
-    counters_.escaped += PatchLight::colour(front.received_along);
-    counters_.escaped += PatchLight::colour(behind.received_against);
-    counters_.lines += static_cast<uint64_t>(PatchLight::count(behind.received_against));
-    front.received_along = behind.received_against = PatchLight::Flow{};
 }
 
 void RowSweep::count(SweepCounters& counters) {
-    counters_.fragments = fragments_;
-    counters_.pairs = counters_.fragments - counters_.lines;
     counters += counters_;
     counters_ = {};
-    fragments_ = 0;
 }
 
 }  // namespace lumel

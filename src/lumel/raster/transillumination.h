@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lumel/raster/raster_scene.h"
-#include "lumel/raster/scan_patches.h"
+#include "lumel/raster/scan_triangles.h"
 
 namespace lumel {
 
@@ -33,9 +33,8 @@ public:
 
 private:
     void prepare(const Window& window);
-    void enqueue(uint32_t triangle, const std::array<SnappedVertex, 3>& corners);
-    void begin_patches(uint32_t row, std::span<const Rgb> sent);
-    void collect(std::span<Rgb> received, std::span<uint32_t> pixels);
+    void begin_triangles(uint32_t row, std::span<const Rgb> sent);
+    void collect(std::span<Rgb> received, std::span<uint32_t> pixels, SweepCounters& counters);
     std::array<SnappedVertex, 3> corners(uint32_t triangle) const {
         const auto& [a, b, c] = scene_->scene().indices()[triangle];
         return {vertices_[a], vertices_[b], vertices_[c]};
@@ -44,10 +43,9 @@ private:
     const RasterScene* scene_;
     std::vector<SnappedVertex> vertices_;
     std::vector<int64_t> turns_;  // of each triangle
-    std::vector<uint32_t> first_row_;  // of each patch, or the number of rows where it has none
-    std::vector<uint32_t> first_of_row_, by_row_;  // patches in the order of their first rows, and where those of a row begin
-    std::vector<int32_t> lattice_rows_;
-    ScanPatches active_;
+    std::vector<uint32_t> first_row_;  // of each triangle, or the number of rows where it has none
+    std::vector<uint32_t> first_of_row_, by_row_;  // triangles in the order of their first rows, and where those of a row begin
+    ScanTriangles active_;
     RowSweep sweep_;
 };
 

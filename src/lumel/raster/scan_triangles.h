@@ -1,37 +1,41 @@
-// The patches that cross the present row of the window, four side by side.
+// The triangles that cross the present row of the window, four side by side.
 #pragma once
 
-#include "lumel/raster/patch_outline.h"
+#include "lumel/raster/patch_runs.h"
 #include "lumel/raster/row_sweep.h"
 
 namespace lumel {
 
-/// Follows the edges of patches from row to row. A pixel belongs to a patch if its centre is inside; a centre exactly on an edge is taken
-/// as if it were moved a little to the right, and far less up: the top-left rule. All is computed in whole numbers below 2^53 held in
-/// doubles; see first_row for why that is exact.
-class ScanPatches {
+/// Follows the edges of triangles from row to row. A pixel belongs to a triangle if its centre is inside; a centre exactly on an edge is
+/// taken as if it were moved a little to the right, and far less up: the top-left rule. All is computed in whole numbers below 2^53 held in
+/// doubles; see DividedTriangle for why that is exact.
+class ScanTriangles {
 public:
-    void clear() { size_ = 0; }
-    size_t bytes() const { return fours_.capacity() * sizeof(Four); }
+    void clear() { size_ = 0, divided_.clear(); }
+    size_t bytes() const {
+        return fours_.capacity() * sizeof(Four) + divided_.capacity() * sizeof(DividedTriangle) + scratch_.capacity() * sizeof(uint32_t);
+    }
 
-    /// Take a patch from its first row on.
-    void push(const PatchOutline& outline, const DepthPlane& plane, uint32_t patch, uint32_t parity);
-    /// Add the spans of all patches in `row` to `sweep`, and go on to the next row.
+    /// Take a triangle from its first row on, with n x n patches.
+    void push(const std::array<SnappedVertex, 3>& corners, const DepthPlane& plane, uint32_t triangle, uint32_t parity, uint32_t n, uint32_t first_patch);
+    /// Add the spans of all triangles in `row` to `sweep`, and go on to the next row.
     void scan(int32_t row, RowSweep& sweep);
 
 private:
     static constexpr uint32_t kLanes = 4;
     static constexpr size_t kLeft = 0, kRight = 1;
+    static constexpr uint32_t kUndivided = 0xffffffffu;
 
     /// Where an edge from `a` up to `b` crosses a row is numerator / denominator, in pixels.
     struct Edge {
         double numerator = 0, growth = 0, denominator = 1;
 
         Edge() = default;
-        Edge(PatchOutline::Corner a, PatchOutline::Corner b, int32_t row, double pixel)
-            : numerator(a.x * (b.y - a.y) + (b.x - a.x) * (row * pixel - a.y)),
-              growth((b.x - a.x) * pixel),
-              denominator((b.y - a.y) * pixel) {}
+        Edge(const SnappedVertex& a, const SnappedVertex& b, int32_t row) {
+            const double dx = b.x - a.x, dy = b.y - a.y;
+            numerator = a.x * dy + dx * (static_cast<double>(row * kSubpixels) - a.y);
+            growth = dx * kSubpixels, denominator = dy * kSubpixels;
+        }
     };
     using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
     using Pixels = int32_t __attribute__((vector_size(kLanes * sizeof(int32_t))));
@@ -44,7 +48,7 @@ private:
         Lanes x{}, y{}, depth{}, slope_x{}, slope_y{}, lowest{}, highest{}, step{};  // of the planes
         Edge upper[kLanes];                                           // follows on the side that has two edges
         Pixels next_change{}, end_row{};
-        uint32_t short_side[kLanes] = {}, patch[kLanes] = {}, parity[kLanes] = {};
+        uint32_t short_side[kLanes] = {}, triangle[kLanes] = {}, parity[kLanes] = {}, first_patch[kLanes] = {}, divided[kLanes] = {};
 
         void set_edge(uint32_t side, uint32_t lane, const Edge& edge) {
             numerator[side][lane] = edge.numerator, growth[side][lane] = edge.growth, denominator[side][lane] = edge.denominator;
@@ -63,6 +67,8 @@ private:
     }
 
     std::vector<Four> fours_;
+    std::vector<DividedTriangle> divided_;  // of this window
+    std::vector<uint32_t> scratch_;
     uint32_t size_ = 0;
 };
 

@@ -1,0 +1,51 @@
+// The patches of one triangle along a row of pixels, exact: the lines that divide the triangle cut the row at columns found by arithmetic.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lumel/raster/projection.h"
+
+namespace lumel {
+
+/// Pixels of a row that belong to one patch, from where the run before it ends to before `end`.
+struct PatchRun {
+    uint32_t end = 0, patch = 0;
+};
+
+/// The lines that divide a triangle into n x n patches, in three families: u, v and u + v constant, a whole number of n-ths. A pixel belongs
+/// to the patch that its centre is in; a centre exactly on a line is taken as if it were moved a little to the right, and far less up: the
+/// rule of ScanTriangles, so that patches cover what their triangle covers.
+class DividedTriangle {
+public:
+    /// `corners` are those of (u, v) = (0, 0), (1, 0) and (0, 1), and not on one line; `n` > 1.
+    DividedTriangle(const std::array<SnappedVertex, 3>& corners, uint32_t n, uint32_t first_patch);
+
+    /// Most runs that a row can have.
+    uint32_t most_runs() const { return 3 * n_; }
+    /// Find the patches from pixel `begin` to before `end` of `row`, all in the triangle; gives how many `runs` there are. `scratch` is
+    /// overwritten.
+    uint32_t cut(int32_t row, uint32_t begin, uint32_t end, PatchRun* runs, std::vector<uint32_t>& scratch) const;
+
+private:
+    /// Line m of a family is met right of x = (start + row * growth + m * between) / denominator, in pixels. All are whole numbers below
+    /// 2^53 held in doubles, so a quotient is rounded to whole numbers exactly: a fraction a/b lies at least 1/b off the whole number next
+    /// to it, and the error of the division is less.
+    struct Family {
+        double start = 0, growth = 0, between = 0, denominator = 0;
+    };
+    /// The lines of one family that cut a row.
+    struct Cuts {
+        const uint32_t* next = nullptr;  ///< columns, in order; the last is the end of the row
+        uint32_t passed = 0;  ///< lines between the first corner and the pixel
+        uint32_t way = 0;     ///< what another cut adds to `passed`: 1, or -1 in the arithmetic of uint32_t
+    };
+    Family family(const SnappedVertex& a, const SnappedVertex& along_from, const SnappedVertex& along_to, const SnappedVertex& next) const;
+    static Cuts cuts(const Family& family, int32_t row, uint32_t begin, uint32_t end, uint32_t* columns);
+
+    uint32_t n_, first_patch_;
+    std::array<Family, 3> families_;
+};
+
+}  // namespace lumel
