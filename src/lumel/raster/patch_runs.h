@@ -22,30 +22,36 @@ public:
     /// `corners` are those of (u, v) = (0, 0), (1, 0) and (0, 1), and not on one line; `n` > 1.
     DividedTriangle(const std::array<SnappedVertex, 3>& corners, uint32_t n, uint32_t first_patch);
 
-    /// Most runs that a row can have.
-    uint32_t most_runs() const { return 3 * n_; }
+    /// Room that `cut` needs for runs.
+    uint32_t room_for_runs() const { return 2 * n_ + 2; }
     /// Find the patches from pixel `begin` to before `end` of `row`, all in the triangle; gives how many `runs` there are. `scratch` is
     /// overwritten.
     uint32_t cut(int32_t row, uint32_t begin, uint32_t end, PatchRun* runs, std::vector<uint32_t>& scratch) const;
 
 private:
-    /// Line m of a family is met right of x = (start + row * growth + m * between) / denominator, in pixels. All are whole numbers below
+    /// Pixels right of x = (start + row * growth + m * between) / denominator are beyond line m of a family. All are whole numbers below
     /// 2^53 held in doubles, so a quotient is rounded to whole numbers exactly: a fraction a/b lies at least 1/b off the whole number next
     /// to it, and the error of the division is less.
     struct Family {
         double start = 0, growth = 0, between = 0, denominator = 0;
+
+        /// Lines along `along`, the first through `a`, the last through `last`.
+        Family(const SnappedVertex& a, const SnappedVertex& last, const SnappedVertex& from, const SnappedVertex& to, double n);
     };
-    /// The lines of one family that cut a row.
+    /// The lines of one family that cut a row, and what crossing them does to the number of the patch.
     struct Cuts {
-        const uint32_t* next = nullptr;  ///< columns, in order; the last is the end of the row
-        uint32_t passed = 0;  ///< lines between the first corner and the pixel
-        uint32_t way = 0;     ///< what another cut adds to `passed`: 1, or -1 in the arithmetic of uint32_t
+        const uint32_t* next = nullptr;  ///< columns in order, and then the end of the row
+        uint32_t count = 0;
+        int32_t passed = 0;  ///< lines between the first corner and the first pixel
+        bool up = false;     ///< their numbers grow along the row
+        int32_t step = 0, growth = 0;
+
+        Cuts(const Family& family, int32_t row, uint32_t begin, uint32_t end, uint32_t* columns);
     };
-    Family family(const SnappedVertex& a, const SnappedVertex& along_from, const SnappedVertex& along_to, const SnappedVertex& next) const;
-    static Cuts cuts(const Family& family, int32_t row, uint32_t begin, uint32_t end, uint32_t* columns);
 
     uint32_t n_, first_patch_;
-    std::array<Family, 3> families_;
+    std::array<Family, 3> families_;  // u, v and u + v
+    size_t steepest_ = 0;             // of them
 };
 
 }  // namespace lumel

@@ -8,7 +8,7 @@ namespace lumel {
 void RowSweep::resize(uint32_t width, uint32_t patches) {
     events_.assign(width / 64 + 1, 0), crossings_.assign(width / 64 + 1, 0);
     first_begin_.assign(width + 1, kNone), first_end_.assign(width + 1, kNone);
-    lights_.resize(patches), pixels_.assign(patches, 0);
+    lights_.resize(patches), as_last_.assign(patches, 0);
     spans_.resize(std::max<size_t>(spans_.size(), 2));
     constexpr double kFar = std::numeric_limits<double>::infinity();
     spans_[kFront] = {.depth_at_0 = -kFar, .end = kNone, .parity = RowSpan::kOpenParity, .farther = kBehind};
@@ -23,21 +23,34 @@ inline void RowSweep::exchange_until(uint32_t x, RowSpan& near, RowSpan& far) {
         if (&far != &spans_[kBehind]) counters_.lines += x - from;
         return;
     }
-    if (&far == &spans_[kBehind]) return;
+    if (&far == &spans_[kBehind]) {
+        const PatchRun* run = &runs_[near.run_to_farther];
+        while (run->end <= from) ++run;
+        while (from < x) {
+            const uint32_t to = std::min(x, run->end);
+            as_last_[run->patch] += to - from;
+            from = to;
+            run += run->end == to;
+        }
+        near.run_to_farther = static_cast<uint32_t>(run - runs_.data());
+        return;
+    }
     const PatchRun *a = &runs_[near.run_to_farther], *b = &runs_[far.run_to_nearer];
     while (a->end <= from) ++a;
     while (b->end <= from) ++b;
     const bool faces = unturned_ != 0 && near.faces_like(far);
-    do {
-        const uint32_t to = std::min({x, a->end, b->end});
+    for (bool done = false; !done;) {
+        const uint32_t end = std::min(a->end, b->end), to = std::min(end, x);
+        done = end >= x;
         exchange(lights_[a->patch], lights_[b->patch], to - from);
         if (faces) {
             const Rgb both = PatchLight::colour(lights_[a->patch].sent_along + lights_[b->patch].sent_against);
             counters_.mispaired += to_double(both) * static_cast<double>(to - from);
         }
         from = to;
-        a += a->end == to, b += b->end == to;
-    } while (from < x);
+        const bool a_ends = a->end <= b->end, b_ends = b->end <= a->end;
+        a += a_ends && !done, b += b_ends && !done;
+    }
     near.run_to_farther = static_cast<uint32_t>(a - runs_.data()), far.run_to_nearer = static_cast<uint32_t>(b - runs_.data());
 }
 

@@ -47,7 +47,7 @@ public:
     /// Light of a patch; to be set before the first row, and read after the last.
     PatchLight& light(uint32_t patch) { return lights_[patch]; }
     /// Pixels that a patch covers.
-    uint32_t pixels(uint32_t patch) const { return pixels_[patch]; }
+    uint32_t pixels(uint32_t patch) const { return static_cast<uint32_t>(PatchLight::count(lights_[patch].received_along)) + as_last_[patch]; }
 
     /// Be ready for a row of at most `spans` spans.
     void begin_row(size_t spans) {
@@ -64,22 +64,15 @@ public:
         span.run_to_nearer = span.run_to_farther = runs_size_;
         ++size_;
     }
-    void add_run(uint32_t begin, PatchRun run) {
-        if (runs_.size() <= runs_size_) runs_.resize(2 * runs_size_ + 1);
+    void add_run(PatchRun run) {
+        if (runs_.size() <= runs_size_) runs_.resize(2 * size_t{runs_size_} + 1);
         runs_[runs_size_++] = run;
-        pixels_[run.patch] += run.end - begin;
     }
     PatchRun* room_for_runs(size_t count) {
         if (runs_.size() < runs_size_ + count) runs_.resize(2 * (runs_size_ + count));
         return &runs_[runs_size_];
     }
-    void add_runs(uint32_t begin, uint32_t count) {
-        for (uint32_t i = runs_size_; i < runs_size_ + count; ++i) {
-            pixels_[runs_[i].patch] += runs_[i].end - begin;
-            begin = runs_[i].end;
-        }
-        runs_size_ += count;
-    }
+    void add_runs(uint32_t count) { runs_size_ += count; }
     /// Exchange light along the row.
     void run();
     /// Add to `counters` what was met since the last call.
@@ -110,7 +103,7 @@ private:
     void expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t x, uint32_t last);
 
     std::vector<PatchLight> lights_;
-    std::vector<uint32_t> pixels_;  // of each patch
+    std::vector<uint32_t> as_last_;  // of each patch, pixels at which nothing is behind it
     std::vector<uint64_t> events_, crossings_;  // one bit a pixel: something changes there; neighbours change places
     std::vector<uint32_t> first_begin_, first_end_;  // span that begins or ends at a pixel, or kNone
     std::vector<RowSpan> spans_;

@@ -62,12 +62,12 @@ void ScanTriangles::scan(int32_t row, RowSweep& sweep) {
                 const auto begin = static_cast<uint32_t>(spans.begin[k]), end = static_cast<uint32_t>(spans.end[k]);
                 sweep.add(begin, end, spans.depth_at_0[k], spans.step[k], four.triangle[k], four.parity[k]);
                 if (four.divided[k] == kUndivided) {
-                    sweep.add_run(begin, {end, four.first_patch[k]});
+                    sweep.add_run({end, four.first_patch[k]});
                     continue;
                 }
                 const DividedTriangle& divided = divided_[four.divided[k]];
-                PatchRun* runs = sweep.room_for_runs(divided.most_runs());
-                sweep.add_runs(begin, divided.cut(row, begin, end, runs, scratch_));
+                PatchRun* runs = sweep.room_for_runs(divided.room_for_runs());
+                sweep.add_runs(divided.cut(row, begin, end, runs, scratch_));
             }
         changes = changes | (four.next_change == row + 1);
     }
