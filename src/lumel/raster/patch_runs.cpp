@@ -3,72 +3,82 @@
 namespace lumel {
 
 DividedTriangle::DividedTriangle(const std::array<SnappedVertex, 3>& corners, uint32_t n, uint32_t first_patch)
-    : n_(n),
-      first_patch_(first_patch),
-      families_{Family(corners[0], corners[1], corners[0], corners[2], n), Family(corners[0], corners[2], corners[0], corners[1], n),
-                Family(corners[0], corners[1], corners[1], corners[2], n)} {
-    for (size_t k : {1, 2})
-        if (families_[k].denominator > families_[steepest_].denominator) steepest_ = k;
+    : n_(n), first_patch_(first_patch) {
+    const auto& [a, b, c] = corners;
+    add_family(0, a, b, a, c), add_family(1, a, c, a, b), add_family(2, a, b, b, c);
 }
 
-DividedTriangle::Family::Family(const SnappedVertex& a, const SnappedVertex& last, const SnappedVertex& from, const SnappedVertex& to,
-                                double n) {
+/// Lines in the direction between two corners, the first through `a`, the last through `last`.
+void DividedTriangle::add_family(size_t k, const SnappedVertex& a, const SnappedVertex& last, const SnappedVertex& from,
+                                 const SnappedVertex& to) {
     // Turn the lines upward, those along rows to the left: then what is beyond a line is right of it, or above.
     double dx = to.x - from.x, dy = to.y - from.y;
     if (dy < 0 || (dy == 0 && dx > 0)) dx = -dx, dy = -dy;
-    start = n * (a.x * dy - dx * a.y), growth = n * kSubpixels * dx;
-    between = (last.x - a.x) * dy - dx * (last.y - a.y);
-    denominator = n * kSubpixels * dy;
+    start_[k] = n_ * (a.x * dy - dx * a.y), growth_[k] = n_ * kSubpixels * dx;
+    between_[k] = (last.x - a.x) * dy - dx * (last.y - a.y);
+    denominator_[k] = n_ * kSubpixels * dy;
+    if (denominator_[k] > denominator_[steepest_]) steepest_ = k;
 }
 
-DividedTriangle::Cuts::Cuts(const Family& family, int32_t row, uint32_t begin, uint32_t end, uint32_t* columns) : next(columns) {
-    // Count the lines before the first pixel, and before the last.
-    const double start = family.start + row * family.growth;
-    const auto lines_before = [&](uint32_t x) {
-        const double lines = (x * family.denominator - start) / family.between;
-        return static_cast<int32_t>(family.between > 0 ? std::floor(lines) : std::ceil(lines) - 1);
-    };
-    passed = lines_before(begin);
-    const int32_t last = lines_before(end - 1);
+/// Count the lines of each family between the first corner and pixel `x` of a row.
+DividedTriangle::Counts DividedTriangle::lines_before(double x, Lanes start) const {
+    const Lanes lines = (x * denominator_ - start) / between_;
+    // Lines met downward count from the other side: one that the pixel is on is not before it.
+    const Counts whole = __builtin_convertvector(lines, Counts);
+    const Lanes cut_off = __builtin_convertvector(whole, Lanes);
+    const auto on_or_above = __builtin_convertvector((cut_off > lines) | ((cut_off == lines) & (between_ < 0)), Counts);
+    return whole + on_or_above;
+}
 
-    // Those between are met on the way.
-    up = family.between > 0, count = static_cast<uint32_t>(std::abs(last - passed));
-    const double line = start + (up ? passed + 1 : passed) * family.between, further = up ? family.between : -family.between;
-    for (uint32_t k = 0; k < count; ++k) columns[k] = static_cast<uint32_t>(static_cast<int32_t>(std::ceil((line + static_cast<int32_t>(k) * further) / family.denominator)));
+void DividedTriangle::Cuts::find(double first, double further, double denominator, uint32_t end, uint32_t* columns) {
+    for (uint32_t k = 0; k < count; k += kLanes) {
+        const Lanes turn = Lanes{0, 1, 2, 3} + k, column = (first + turn * further) / denominator;
+        const Counts whole = __builtin_convertvector(column, Counts);
+        const Counts up = whole - __builtin_convertvector(__builtin_convertvector(whole, Lanes) < column, Counts);
+        for (uint32_t lane = 0; lane < kLanes; ++lane) columns[k + lane] = static_cast<uint32_t>(up[lane]);
+    }
     columns[count] = end;
-    step = up ? 1 : -1;
+    next = columns;
 }
 
-uint32_t DividedTriangle::cut(int32_t row, uint32_t begin, uint32_t end, PatchRun* runs, std::vector<uint32_t>& scratch) const {
-    const size_t most = n_ + 1;
-    scratch.resize(3 * most);
-    std::array cuts{Cuts(families_[0], row, begin, end, &scratch[0]), Cuts(families_[1], row, begin, end, &scratch[most]),
-                    Cuts(families_[2], row, begin, end, &scratch[2 * most])};
+uint32_t DividedTriangle::cut(int32_t row, uint32_t begin, uint32_t end, PatchRun* runs, uint32_t* columns) const {
+    // Lines that lie between the first pixel and the last are met on the way.
+    const Lanes start = start_ + row * growth_;
+    const Counts before = lines_before(begin, start), before_last = lines_before(end - 1, start);
+    std::array<Cuts, 3> cuts;
+    for (size_t k = 0; k < 3; ++k) {
+        const bool up = between_[k] > 0;
+        cuts[k].count = static_cast<uint32_t>(up ? before_last[k] - before[k] : before[k] - before_last[k]);
+        cuts[k].step = up ? 1 : ~0u;
+        cuts[k].find(start[k] + (up ? before[k] + 1 : before[k]) * between_[k], std::abs(between_[k]), denominator_[k], end,
+                     columns + k * (n_ + kLanes));
+    }
 
     // The same as PatchPlace::index: it changes by one over lines of u and u + v, and by ever less over those of v.
-    const int32_t n = static_cast<int32_t>(n_), i = cuts[0].passed, j = cuts[1].passed, k = cuts[2].passed;
-    cuts[1].step = cuts[1].up ? 2 * (n - 1 - j) : 2 * (j - n), cuts[1].growth = -2;
-    uint32_t patch = first_patch_ + static_cast<uint32_t>(j * (2 * n - 1 - j) + i + k), count = 0, x = begin;
+    const auto i = static_cast<uint32_t>(before[0]), j = static_cast<uint32_t>(before[1]), both = static_cast<uint32_t>(before[2]);
+    cuts[1].step = between_[1] > 0 ? 2 * (n_ - 1 - j) : 2 * (j - n_), cuts[1].growth = ~1u;
+    uint32_t patch = first_patch_ + j * (2 * n_ - 1 - j) + i + both, count = 0, x = begin;
     const auto run_to = [&](uint32_t column) {
         // Of several lines at one pixel, the patches between have none.
         runs[count] = {column, patch};
         count += column != x;
         x = column;
     };
-    const auto cross = [&](Cuts& family, bool crosses) {
-        family.next += crosses;
-        patch += static_cast<uint32_t>(crosses ? family.step : 0);
-        family.step += crosses ? family.growth : 0;
+    // Rows meet the steepest lines most often. Between two of these they pass two patches, so just one line of the other families.
+    Cuts main = cuts[steepest_], a = cuts[steepest_ == 1 ? 0 : 1], b = cuts[steepest_ == 2 ? 0 : 2];
+    const auto cross_main = [&] {
+        run_to(*main.next++);
+        patch += main.step, main.step += main.growth;
     };
-
-    // The rows meet the steepest lines most often. Between two of these each passes two patches, so it meets one line of the other families.
-    Cuts main = cuts[steepest_], a = cuts[(steepest_ + 1) % 3], b = cuts[(steepest_ + 2) % 3];
-    const bool upright = i + j == k, main_is_first = (upright == (steepest_ == 2)) == main.up;
-    if (main_is_first) run_to(*main.next), cross(main, true);
+    const bool upright = i + j == both, main_is_next = (upright == (steepest_ == 2)) == (between_[steepest_] > 0);
+    if (main_is_next) cross_main();
     for (uint32_t others = a.count + b.count; others > 0; --others) {
-        const bool is_a = *a.next < *b.next;
-        run_to(std::min(*a.next, *b.next)), cross(a, is_a), cross(b, !is_a);
-        run_to(*main.next), cross(main, true);
+        // Which of them is hard to foretell, so do without branches.
+        const uint32_t column_a = *a.next, column_b = *b.next, is_a = column_a < column_b ? 1 : 0, if_a = 0 - is_a;
+        run_to(std::min(column_a, column_b));
+        a.next += is_a, b.next += 1 - is_a;
+        patch += b.step + ((a.step - b.step) & if_a), a.step += a.growth & if_a;
+        cross_main();
     }
     run_to(end);
     return count;

@@ -22,36 +22,35 @@ public:
     /// `corners` are those of (u, v) = (0, 0), (1, 0) and (0, 1), and not on one line; `n` > 1.
     DividedTriangle(const std::array<SnappedVertex, 3>& corners, uint32_t n, uint32_t first_patch);
 
-    /// Room that `cut` needs for runs.
+    /// Room that `cut` needs: for runs, and for columns.
     uint32_t room_for_runs() const { return 2 * n_ + 2; }
-    /// Find the patches from pixel `begin` to before `end` of `row`, all in the triangle; gives how many `runs` there are. `scratch` is
+    uint32_t room_for_columns() const { return 3 * (n_ + kLanes); }
+    /// Find the patches from pixel `begin` to before `end` of `row`, all in the triangle; gives how many `runs` there are. `columns` are
     /// overwritten.
-    uint32_t cut(int32_t row, uint32_t begin, uint32_t end, PatchRun* runs, std::vector<uint32_t>& scratch) const;
+    uint32_t cut(int32_t row, uint32_t begin, uint32_t end, PatchRun* runs, uint32_t* columns) const;
 
 private:
-    /// Pixels right of x = (start + row * growth + m * between) / denominator are beyond line m of a family. All are whole numbers below
-    /// 2^53 held in doubles, so a quotient is rounded to whole numbers exactly: a fraction a/b lies at least 1/b off the whole number next
-    /// to it, and the error of the division is less.
-    struct Family {
-        double start = 0, growth = 0, between = 0, denominator = 0;
+    static constexpr uint32_t kLanes = 4;
+    using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
+    using Counts = int32_t __attribute__((vector_size(kLanes * sizeof(int32_t))));
 
-        /// Lines along `along`, the first through `a`, the last through `last`.
-        Family(const SnappedVertex& a, const SnappedVertex& last, const SnappedVertex& from, const SnappedVertex& to, double n);
-    };
-    /// The lines of one family that cut a row, and what crossing them does to the number of the patch.
+    /// Lines that a row meets one after the other, and what crossing them does to the number of the patch.
     struct Cuts {
         const uint32_t* next = nullptr;  ///< columns in order, and then the end of the row
-        uint32_t count = 0;
-        int32_t passed = 0;  ///< lines between the first corner and the first pixel
-        bool up = false;     ///< their numbers grow along the row
-        int32_t step = 0, growth = 0;
+        uint32_t count = 0, step = 0, growth = 0;
 
-        Cuts(const Family& family, int32_t row, uint32_t begin, uint32_t end, uint32_t* columns);
+        /// Find the columns `first` + k `further`, rounded up, over `denominator`.
+        void find(double first, double further, double denominator, uint32_t end, uint32_t* columns);
     };
+    void add_family(size_t k, const SnappedVertex& a, const SnappedVertex& last, const SnappedVertex& from, const SnappedVertex& to);
+    Counts lines_before(double x, Lanes start) const;
 
     uint32_t n_, first_patch_;
-    std::array<Family, 3> families_;  // u, v and u + v
-    size_t steepest_ = 0;             // of them
+    size_t steepest_ = 0;  // of the families
+    /// Of u, v, u + v: pixels right of x = (start + row * growth + m * between) / denominator are beyond line m of a family. All are whole
+    /// numbers below 2^53 held in doubles, so a quotient is rounded to whole numbers exactly: a fraction a/b lies at least 1/b off the
+    /// whole number next to it, and the error of the division is less.
+    Lanes start_{}, growth_{}, between_{1, 1, 1, 1}, denominator_{};
 };
 
 }  // namespace lumel

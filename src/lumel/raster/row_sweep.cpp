@@ -10,47 +10,55 @@ void RowSweep::resize(uint32_t width, uint32_t patches) {
     first_begin_.assign(width + 1, kNone), first_end_.assign(width + 1, kNone);
     lights_.resize(patches), as_last_.assign(patches, 0);
     spans_.resize(std::max<size_t>(spans_.size(), 2));
+    runs_.resize(std::max<size_t>(runs_.size(), 1));
+    runs_[kNothing] = {};
     constexpr double kFar = std::numeric_limits<double>::infinity();
-    spans_[kFront] = {.depth_at_0 = -kFar, .end = kNone, .parity = RowSpan::kOpenParity, .farther = kBehind};
-    spans_[kBehind] = {.depth_at_0 = kFar, .end = kNone, .parity = RowSpan::kOpenParity};
+    spans_[kFront] = {.depth_at_0 = -kFar, .end = kNone, .parity = RowSpan::kOpenParity, .farther = kBehind, .run_to_farther = kNothing};
+    spans_[kBehind] = {.depth_at_0 = kFar, .end = kNone, .parity = RowSpan::kOpenParity, .run_to_nearer = kNothing};
 }
 
 /// Two neighbours have seen each other up to before pixel `x`.
 inline void RowSweep::exchange_until(uint32_t x, RowSpan& near, RowSpan& far) {
+    const PatchRun &a = runs_[near.run_to_farther], &b = runs_[far.run_to_nearer];
+    // Most often each is one patch all the way.
+    if (x <= a.end && x <= b.end && unturned_ == 0)
+        exchange(lights_[a.patch], lights_[b.patch], x - near.since);
+    else
+        exchange_runs(x, near, far);
+}
+
+/// The same, patch by patch.
+void RowSweep::exchange_runs(uint32_t x, RowSpan& near, RowSpan& far) {
     uint32_t from = near.since;
-    if (from >= x) return;
+    if (from == x) return;
     if (&near == &spans_[kFront]) {
         if (&far != &spans_[kBehind]) counters_.lines += x - from;
         return;
     }
-    if (&far == &spans_[kBehind]) {
-        const PatchRun* run = &runs_[near.run_to_farther];
-        while (run->end <= from) ++run;
-        while (from < x) {
-            const uint32_t to = std::min(x, run->end);
-            as_last_[run->patch] += to - from;
-            from = to;
-            run += run->end == to;
-        }
-        near.run_to_farther = static_cast<uint32_t>(run - runs_.data());
-        return;
-    }
     const PatchRun *a = &runs_[near.run_to_farther], *b = &runs_[far.run_to_nearer];
     while (a->end <= from) ++a;
-    while (b->end <= from) ++b;
-    const bool faces = unturned_ != 0 && near.faces_like(far);
-    for (bool done = false; !done;) {
-        const uint32_t end = std::min(a->end, b->end), to = std::min(end, x);
-        done = end >= x;
-        exchange(lights_[a->patch], lights_[b->patch], to - from);
-        if (faces) {
-            const Rgb both = PatchLight::colour(lights_[a->patch].sent_along + lights_[b->patch].sent_against);
-            counters_.mispaired += to_double(both) * static_cast<double>(to - from);
-        }
-        from = to;
-        const bool a_ends = a->end <= b->end, b_ends = b->end <= a->end;
-        a += a_ends && !done, b += b_ends && !done;
+    if (&far == &spans_[kBehind]) {
+        for (; a->end < x; from = a++->end) as_last_[a->patch] += a->end - from;
+        as_last_[a->patch] += x - from;
+        near.run_to_farther = static_cast<uint32_t>(a - runs_.data());
+        return;
     }
+    while (b->end <= from) ++b;
+    const bool face_alike = near.faces_like(far);
+    const auto see = [&](uint32_t until) {
+        exchange(lights_[a->patch], lights_[b->patch], until - from);
+        if (!face_alike) return;
+        const Rgb both = PatchLight::colour(lights_[a->patch].sent_along + lights_[b->patch].sent_against);
+        counters_.mispaired += to_double(both) * static_cast<double>(until - from);
+    };
+    for (;;) {
+        const uint32_t end_a = a->end, end_b = b->end, end = std::min(end_a, end_b);
+        if (end >= x) break;
+        see(end);
+        from = end;
+        a += end_a == end, b += end_b == end;
+    }
+    see(x);
     near.run_to_farther = static_cast<uint32_t>(a - runs_.data()), far.run_to_nearer = static_cast<uint32_t>(b - runs_.data());
 }
 

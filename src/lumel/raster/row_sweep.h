@@ -53,7 +53,7 @@ public:
     void begin_row(size_t spans) {
         if (spans_.size() < spans + 2) spans_.resize(spans + 2);
         size_ = 2;
-        runs_size_ = 0;
+        runs_size_ = kNothing + 1;
     }
     /// Take the span from pixel `begin` to before `end`. Its runs follow.
     void add(uint32_t begin, uint32_t end, double depth_at_0, double step, uint32_t triangle, uint32_t parity) {
@@ -84,6 +84,7 @@ public:
 
 private:
     static constexpr uint32_t kFront = 0, kBehind = 1;  // spans before and behind all others: those who see them see nothing
+    static constexpr uint32_t kNothing = 0;              // the run of both: before every pixel, so that nothing is exchanged
     static constexpr uint32_t kNone = 0xffffffffu;
 
     /// Put the new span at the head of the list of pixel `x`; gives the one that was there.
@@ -97,6 +98,7 @@ private:
     void insert(uint32_t beginning, uint32_t x);
     void sort(uint32_t x);
     void exchange_until(uint32_t x, RowSpan& near, RowSpan& far);
+    void exchange_runs(uint32_t x, RowSpan& near, RowSpan& far);
     void part(RowSpan& near, uint32_t x);
     void meet(RowSpan& near, uint32_t x);
     void check_order(const RowSpan& near, const RowSpan& far, uint32_t x);

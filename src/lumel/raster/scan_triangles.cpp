@@ -67,7 +67,8 @@ void ScanTriangles::scan(int32_t row, RowSweep& sweep) {
                 }
                 const DividedTriangle& divided = divided_[four.divided[k]];
                 PatchRun* runs = sweep.room_for_runs(divided.room_for_runs());
-                sweep.add_runs(divided.cut(row, begin, end, runs, scratch_));
+                columns_.resize(std::max<size_t>(columns_.size(), divided.room_for_columns()));
+                sweep.add_runs(divided.cut(row, begin, end, runs, columns_.data()));
             }
         changes = changes | (four.next_change == row + 1);
     }

@@ -13,7 +13,7 @@ class ScanTriangles {
 public:
     void clear() { size_ = 0, divided_.clear(); }
     size_t bytes() const {
-        return fours_.capacity() * sizeof(Four) + divided_.capacity() * sizeof(DividedTriangle) + scratch_.capacity() * sizeof(uint32_t);
+        return fours_.capacity() * sizeof(Four) + divided_.capacity() * sizeof(DividedTriangle) + columns_.capacity() * sizeof(uint32_t);
     }
 
     /// Take a triangle from its first row on, with n x n patches.
@@ -68,7 +68,7 @@ private:
 
     std::vector<Four> fours_;
     std::vector<DividedTriangle> divided_;  // of this window
-    std::vector<uint32_t> scratch_;
+    std::vector<uint32_t> columns_;
     uint32_t size_ = 0;
 };
 
