@@ -1,5 +1,7 @@
 #include "lumel/raster/patch_runs.h"
 
+#include <cstring>
+
 namespace lumel {
 
 DividedTriangle::DividedTriangle(const std::array<SnappedVertex, 3>& corners, uint32_t n, uint32_t first_patch)
@@ -21,21 +23,20 @@ void DividedTriangle::add_family(size_t k, const SnappedVertex& a, const Snapped
 }
 
 /// Count the lines of each family between the first corner and pixel `x` of a row.
-DividedTriangle::Counts DividedTriangle::lines_before(double x, Lanes start) const {
-    const Lanes lines = (x * denominator_ - start) / between_;
+IntLanes DividedTriangle::lines_before(double x, Lanes start) const {
     // Lines met downward count from the other side: one that the pixel is on is not before it.
-    const Counts whole = __builtin_convertvector(lines, Counts);
-    const Lanes cut_off = __builtin_convertvector(whole, Lanes);
-    const auto on_or_above = __builtin_convertvector((cut_off > lines) | ((cut_off == lines) & (between_ < 0)), Counts);
-    return whole + on_or_above;
+    const Lanes lines = (x * denominator_ - start) / between_;
+    Lanes up = -lines, down = lines;
+    round_up(up), round_up(down);
+    return to_int(between_ > 0 ? -up : down - 1);
 }
 
 void DividedTriangle::Cuts::find(double first, double further, double denominator, uint32_t end, uint32_t* columns) {
     for (uint32_t k = 0; k < count; k += kLanes) {
-        const Lanes turn = Lanes{0, 1, 2, 3} + k, column = (first + turn * further) / denominator;
-        const Counts whole = __builtin_convertvector(column, Counts);
-        const Counts up = whole - __builtin_convertvector(__builtin_convertvector(whole, Lanes) < column, Counts);
-        for (uint32_t lane = 0; lane < kLanes; ++lane) columns[k + lane] = static_cast<uint32_t>(up[lane]);
+        Lanes column = (first + (k + Lanes{0, 1, 2, 3}) * further) / denominator;
+        round_up(column);
+        const IntLanes whole = to_int(column);
+        std::memcpy(columns + k, &whole, sizeof whole);
     }
     columns[count] = end;
     next = columns;
@@ -44,7 +45,7 @@ void DividedTriangle::Cuts::find(double first, double further, double denominato
 uint32_t DividedTriangle::cut(int32_t row, uint32_t begin, uint32_t end, PatchRun* runs, uint32_t* columns) const {
     // Lines that lie between the first pixel and the last are met on the way.
     const Lanes start = start_ + row * growth_;
-    const Counts before = lines_before(begin, start), before_last = lines_before(end - 1, start);
+    const IntLanes before = lines_before(begin, start), before_last = lines_before(end - 1, start);
     std::array<Cuts, 3> cuts;
     for (size_t k = 0; k < 3; ++k) {
         const bool up = between_[k] > 0;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lumel/raster/lanes.h"
 #include "lumel/raster/projection.h"
 
 namespace lumel {
@@ -30,10 +31,6 @@ public:
     uint32_t cut(int32_t row, uint32_t begin, uint32_t end, PatchRun* runs, uint32_t* columns) const;
 
 private:
-    static constexpr uint32_t kLanes = 4;
-    using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
-    using Counts = int32_t __attribute__((vector_size(kLanes * sizeof(int32_t))));
-
     /// Lines that a row meets one after the other, and what crossing them does to the number of the patch.
     struct Cuts {
         const uint32_t* next = nullptr;  ///< columns in order, and then the end of the row
@@ -43,13 +40,12 @@ private:
         void find(double first, double further, double denominator, uint32_t end, uint32_t* columns);
     };
     void add_family(size_t k, const SnappedVertex& a, const SnappedVertex& last, const SnappedVertex& from, const SnappedVertex& to);
-    Counts lines_before(double x, Lanes start) const;
+    IntLanes lines_before(double x, Lanes start) const;
 
     uint32_t n_, first_patch_;
     size_t steepest_ = 0;  // of the families
     /// Of u, v, u + v: pixels right of x = (start + row * growth + m * between) / denominator are beyond line m of a family. All are whole
-    /// numbers below 2^53 held in doubles, so a quotient is rounded to whole numbers exactly: a fraction a/b lies at least 1/b off the
-    /// whole number next to it, and the error of the division is less.
+    /// numbers below 2^53 held in doubles; see round_up for why that is exact.
     Lanes start_{}, growth_{}, between_{1, 1, 1, 1}, denominator_{};
 };
 

@@ -51,12 +51,14 @@ void RowSweep::exchange_runs(uint32_t x, RowSpan& near, RowSpan& far) {
         const Rgb both = PatchLight::colour(lights_[a->patch].sent_along + lights_[b->patch].sent_against);
         counters_.mispaired += to_double(both) * static_cast<double>(until - from);
     };
-    for (;;) {
-        const uint32_t end_a = a->end, end_b = b->end, end = std::min(end_a, end_b);
-        if (end >= x) break;
+    // Which run ends first is hard to foretell: do without branches, and have the ends of the next runs at hand.
+    uint32_t end_a = a->end, end_b = b->end;
+    for (uint32_t end; (end = std::min(end_a, end_b)) < x; from = end) {
+        const uint32_t next_a = a[1].end, next_b = b[1].end;
         see(end);
-        from = end;
-        a += end_a == end, b += end_b == end;
+        const bool a_ends = end_a == end, b_ends = end_b == end;
+        a += a_ends, b += b_ends;
+        end_a = a_ends ? next_a : end_a, end_b = b_ends ? next_b : end_b;
     }
     see(x);
     near.run_to_farther = static_cast<uint32_t>(a - runs_.data()), far.run_to_nearer = static_cast<uint32_t>(b - runs_.data());

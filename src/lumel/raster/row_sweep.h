@@ -65,7 +65,7 @@ public:
         ++size_;
     }
     void add_run(PatchRun run) {
-        if (runs_.size() <= runs_size_) runs_.resize(2 * size_t{runs_size_} + 1);
+        if (runs_.size() < runs_size_ + size_t{2}) runs_.resize(2 * (runs_size_ + size_t{2}));
         runs_[runs_size_++] = run;
     }
     PatchRun* room_for_runs(size_t count) {

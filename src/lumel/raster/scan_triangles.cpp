@@ -46,12 +46,12 @@ inline void ScanTriangles::Four::cross(double row, FourSpans& spans) {
     round(at);
     spans.step = after - first > 1 ? step : Lanes{};
     spans.depth_at_0 = at - spans.step * first;
-    spans.begin = __builtin_convertvector(first, Pixels), spans.end = __builtin_convertvector(after, Pixels);
+    spans.begin = to_int(first), spans.end = to_int(after);
 }
 
 void ScanTriangles::scan(int32_t row, RowSweep& sweep) {
     sweep.begin_row(size_);
-    Pixels changes{};
+    IntLanes changes{};
     for (uint32_t first = 0; first < size_; first += kLanes) {
         Four& four = fours_[first / kLanes];
         FourSpans spans;

@@ -8,7 +8,7 @@ namespace lumel {
 
 /// Follows the edges of triangles from row to row. A pixel belongs to a triangle if its centre is inside; a centre exactly on an edge is
 /// taken as if it were moved a little to the right, and far less up: the top-left rule. All is computed in whole numbers below 2^53 held in
-/// doubles; see DividedTriangle for why that is exact.
+/// doubles; see round_up for why that is exact.
 class ScanTriangles {
 public:
     void clear() { size_ = 0, divided_.clear(); }
@@ -22,7 +22,6 @@ public:
     void scan(int32_t row, RowSweep& sweep);
 
 private:
-    static constexpr uint32_t kLanes = 4;
     static constexpr size_t kLeft = 0, kRight = 1;
     static constexpr uint32_t kUndivided = 0xffffffffu;
 
@@ -37,17 +36,15 @@ private:
             growth = dx * kSubpixels, denominator = dy * kSubpixels;
         }
     };
-    using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
-    using Pixels = int32_t __attribute__((vector_size(kLanes * sizeof(int32_t))));
     struct FourSpans {
-        Pixels begin, end;
+        IntLanes begin, end;
         Lanes depth_at_0, step;
     };
     struct Four {
         Lanes numerator[2]{}, growth[2]{}, denominator[2]{Lanes{1, 1, 1, 1}, Lanes{1, 1, 1, 1}};
         Lanes x{}, y{}, depth{}, slope_x{}, slope_y{}, lowest{}, highest{}, step{};  // of the planes
         Edge upper[kLanes];                                           // follows on the side that has two edges
-        Pixels next_change{}, end_row{};
+        IntLanes next_change{}, end_row{};
         uint32_t short_side[kLanes] = {}, triangle[kLanes] = {}, parity[kLanes] = {}, first_patch[kLanes] = {}, divided[kLanes] = {};
 
         void set_edge(uint32_t side, uint32_t lane, const Edge& edge) {
@@ -56,15 +53,6 @@ private:
         void cross(double row, FourSpans& spans);
         void copy(uint32_t to, const Four& other, uint32_t from);
     };
-
-    /// To the nearest whole number; |v| < 2^51, so that the sum has no room for fractions.
-    static void round(Lanes& v) { v = (v + 0x1.8p52) - 0x1.8p52; }
-    /// To the least whole number that is not below v.
-    static void round_up(Lanes& v) {
-        const Lanes given = v;
-        round(v);
-        v = v < given ? v + 1 : v;
-    }
 
     std::vector<Four> fours_;
     std::vector<DividedTriangle> divided_;  // of this window
