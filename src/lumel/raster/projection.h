@@ -29,17 +29,4 @@ constexpr int64_t turn(const SnappedVertex& a, const SnappedVertex& b, const Sna
     return int64_t{b.x - a.x} * (c.y - a.y) - int64_t{b.y - a.y} * (c.x - a.x);
 }
 
-/// Depth over the plane of a triangle: at pixel (x, y) it is depth + slope_y (y - plane.y) + slope_x (x - plane.x), kept within the depths
-/// of the corners and rounded.
-struct DepthPlane {
-    double x = 0, y = 0, depth = 0;  ///< one of the corners, in pixels
-    double slope_x = 0, slope_y = 0;
-    double lowest = 0, highest = 0;
-    double step = 0;  ///< from pixel to pixel along a row, a whole number
-
-    DepthPlane() = default;
-    /// `twice_area` is turn(a, b, c) and not 0. The order of the vertices does not matter.
-    DepthPlane(SnappedVertex a, SnappedVertex b, SnappedVertex c, int64_t twice_area);
-};
-
 }  // namespace lumel

@@ -2,110 +2,87 @@
 
 namespace lumel {
 
-void ScanTriangles::push(const std::array<SnappedVertex, 3>& corners, const DepthPlane& plane, uint32_t triangle, uint32_t parity, uint32_t n, uint32_t first_patch) {
-    // Order the corners by height; where two are equally high, either order gives the same rows.
-    auto [a, b, c] = corners;
-    if (b.y < a.y) std::swap(a, b);
-    if (c.y < b.y) std::swap(b, c);
-    if (b.y < a.y) std::swap(a, b);
-    const int32_t row = first_pixel(a.y), middle = first_pixel(b.y), end = first_pixel(c.y);
-
-    if (size_ == fours_.size() * kLanes) fours_.emplace_back();
-    Four& four = fours_[size_ / kLanes];
-    const uint32_t lane = size_++ % kLanes;
-
-    // The long edge is on one side, on the other the lower edge and then the upper one.
-    const uint32_t short_side = turn(a, c, b) < 0 ? kRight : kLeft;
-    four.set_edge(1 - short_side, lane, Edge(a, c, row));
-    four.upper[lane] = Edge(b, c, middle);
-    four.set_edge(short_side, lane, row < middle ? Edge(a, b, row) : four.upper[lane]);
-    four.next_change[lane] = row < middle ? middle : end;
-    four.end_row[lane] = end;
-    four.short_side[lane] = short_side, four.triangle[lane] = triangle, four.parity[lane] = parity;
-    four.first_patch[lane] = first_patch, four.divided[lane] = kUndivided;
-    if (n > 1) {
-        four.divided[lane] = static_cast<uint32_t>(divided_.size());
-        divided_.emplace_back(corners, n, first_patch);
-    }
-
-    four.x[lane] = plane.x, four.y[lane] = plane.y, four.depth[lane] = plane.depth;
-    four.slope_x[lane] = plane.slope_x, four.slope_y[lane] = plane.slope_y, four.step[lane] = plane.step;
-    four.lowest[lane] = plane.lowest, four.highest[lane] = plane.highest;
+ScanTriangles::Edges::Edges(const VertexLanes& a, const VertexLanes& b) {
+    const Lanes dx = b.x - a.x, dy = b.y - a.y;
+    start = a.x * dy - dx * a.y;
+    growth = dx * kSubpixels, denominator = dy * kSubpixels;
 }
 
-/// Find what a row covers of the triangles, and go on to the next. Every statement is one for all lanes.
-inline void ScanTriangles::Four::cross(double row, FourSpans& spans) {
-    Lanes first = numerator[kLeft] / denominator[kLeft], after = numerator[kRight] / denominator[kRight];
-    round_up(first), round_up(after);
-    numerator[kLeft] += growth[kLeft], numerator[kRight] += growth[kRight];
+ScanTriangles::Four::Four(VertexLanes a, VertexLanes b, VertexLanes c)
+    : long_edge(a, c), lower(a, b), upper(b, c), plane(a, b, c), middle(b.y * (1.0 / kSubpixels)), end(c.y * (1.0 / kSubpixels)) {
+    round_up(middle), round_up(end);
+    bends_left = (b.x - a.x) * (c.y - a.y) < (b.y - a.y) * (c.x - a.x);
+}
+
+void ScanTriangles::begin(std::span<const ScannedTriangle> triangles) {
+    // Lanes without a triangle repeat the first one, and end before they begin.
+    std::array<VertexLanes, 3> corners;
+    for (uint32_t lane = 0; lane < kLanes; ++lane)
+        for (size_t k = 0; k < 3; ++k) corners[k].set(lane, triangles[lane < triangles.size() ? lane : 0].corners[k]);
+    auto& [a, b, c] = corners;
+    put_in_order(a, b), put_in_order(b, c), put_in_order(a, b);
+
+    Four& four = fours_.emplace_back(a, b, c);
+    for (uint32_t lane = 0; lane < kLanes; ++lane) {
+        if (lane >= triangles.size()) {
+            four.end[lane] = -1;
+            continue;
+        }
+        const ScannedTriangle& t = triangles[lane];
+        four.last_end = std::max(four.last_end, static_cast<int32_t>(four.end[lane]));
+        four.triangle[lane] = t.triangle, four.parity[lane] = t.parity, four.first_patch[lane] = t.first_patch;
+        four.divided[lane] = kUndivided;
+        if (t.n == 1) continue;
+        four.divided[lane] = static_cast<uint32_t>(divided_.size());
+        divided_.emplace_back(t.corners, t.n, t.first_patch);
+    }
+}
+
+/// Find what a row covers of the triangles. Every statement is one for all lanes.
+inline ScanTriangles::FourSpans ScanTriangles::Four::cross(double row) const {
+    // Each triangle has one edge on one side, and two that follow each other on the other.
+    const auto is_lower = row < middle;
+    Lanes one = (long_edge.start + row * long_edge.growth) / long_edge.denominator;
+    Lanes two = ((is_lower ? lower.start : upper.start) + row * (is_lower ? lower.growth : upper.growth)) /
+                (is_lower ? lower.denominator : upper.denominator);
+    round_up(one), round_up(two);
+    const Lanes first = bends_left ? two : one, after = row < end ? (bends_left ? one : two) : first;
 
     // Depths of the first pixels, and what they grow by; single pixels may have any slope, so they get none.
-    Lanes at = depth + slope_y * (row - y) + slope_x * (first - x);
-    at = at > lowest ? at : lowest;
-    at = at < highest ? at : highest;
-    round(at);
-    spans.step = after - first > 1 ? step : Lanes{};
-    spans.depth_at_0 = at - spans.step * first;
+    FourSpans spans;
+    spans.step = after - first > 1 ? plane.step : Lanes{};
+    spans.depth_at_0 = plane.at(first, row) - spans.step * first;
     spans.begin = to_int(first), spans.end = to_int(after);
+    return spans;
 }
 
 void ScanTriangles::scan(int32_t row, RowSweep& sweep) {
-    sweep.begin_row(size_);
-    IntLanes changes{};
-    for (uint32_t first = 0; first < size_; first += kLanes) {
-        Four& four = fours_[first / kLanes];
-        FourSpans spans;
-        four.cross(row, spans);
-        const uint32_t lanes = std::min(kLanes, size_ - first);
-        for (uint32_t k = 0; k < lanes; ++k)
-            if (spans.begin[k] < spans.end[k]) {
-                const auto begin = static_cast<uint32_t>(spans.begin[k]), end = static_cast<uint32_t>(spans.end[k]);
-                sweep.add(begin, end, spans.depth_at_0[k], spans.step[k], four.triangle[k], four.parity[k]);
-                if (four.divided[k] == kUndivided) {
-                    sweep.add_run({end, four.first_patch[k]});
-                    continue;
-                }
-                const DividedTriangle& divided = divided_[four.divided[k]];
-                PatchRun* runs = sweep.room_for_runs(divided.room_for_runs());
-                columns_.resize(std::max<size_t>(columns_.size(), divided.room_for_columns()));
-                sweep.add_runs(divided.cut(row, begin, end, runs, columns_.data()));
-            }
-        changes = changes | (four.next_change == row + 1);
-    }
-    if ((changes[0] | changes[1] | changes[2] | changes[3]) == 0) return;
+    sweep.begin_row(fours_.size() * kLanes);
+    for (size_t i = 0; i < fours_.size();) {
+        const Four& four = fours_[i];
+        const FourSpans spans = four.cross(row);
+        for (uint32_t k = 0; k < kLanes; ++k) {
+            if (spans.begin[k] >= spans.end[k]) continue;
+            const auto begin = static_cast<uint32_t>(spans.begin[k]), end = static_cast<uint32_t>(spans.end[k]);
+            sweep.add(begin, end, spans.depth_at_0[k], spans.step[k], four.triangle[k], four.parity[k]);
+            if (four.divided[k] == kUndivided)
+                sweep.add_run({end, four.first_patch[k]});
+            else
+                cut(divided_[four.divided[k]], row, begin, end, sweep);
+        }
 
-    // Edges and triangles end; the last triangle takes the place of one that does.
-    for (uint32_t i = 0; i < size_;) {
-        Four& four = fours_[i / kLanes];
-        const uint32_t lane = i % kLanes;
-        if (four.next_change[lane] != row + 1) {
+        // The last takes the place of one that ends.
+        if (four.last_end > row + 1)
             ++i;
-            continue;
-        }
-        if (four.end_row[lane] == row + 1) {
-            --size_;
-            four.copy(lane, fours_[size_ / kLanes], size_ % kLanes);
-            continue;
-        }
-        four.set_edge(four.short_side[lane], lane, four.upper[lane]);
-        four.next_change[lane] = four.end_row[lane];
-        ++i;
+        else
+            fours_[i] = fours_.back(), fours_.pop_back();
     }
 }
 
-void ScanTriangles::Four::copy(uint32_t to, const Four& other, uint32_t from) {
-    for (size_t side : {kLeft, kRight}) {
-        numerator[side][to] = other.numerator[side][from];
-        growth[side][to] = other.growth[side][from];
-        denominator[side][to] = other.denominator[side][from];
-    }
-    for (Lanes Four::* lanes :
-         {&Four::x, &Four::y, &Four::depth, &Four::slope_x, &Four::slope_y, &Four::lowest, &Four::highest, &Four::step})
-        (this->*lanes)[to] = (other.*lanes)[from];
-    upper[to] = other.upper[from];
-    next_change[to] = other.next_change[from], end_row[to] = other.end_row[from];
-    short_side[to] = other.short_side[from], triangle[to] = other.triangle[from], parity[to] = other.parity[from];
-    first_patch[to] = other.first_patch[from], divided[to] = other.divided[from];
+void ScanTriangles::cut(const DividedTriangle& divided, int32_t row, uint32_t begin, uint32_t end, RowSweep& sweep) {
+    columns_.resize(std::max<size_t>(columns_.size(), divided.room_for_columns()));
+    PatchRun* runs = sweep.room_for_runs(divided.room_for_runs());
+    sweep.add_runs(divided.cut(row, begin, end, runs, columns_.data()));
 }
 
 }  // namespace lumel

@@ -1,63 +1,65 @@
 // The triangles that cross the present row of the window, four side by side.
 #pragma once
 
+#include <span>
+
+#include "lumel/raster/depth_plane.h"
 #include "lumel/raster/patch_runs.h"
 #include "lumel/raster/row_sweep.h"
 
 namespace lumel {
+
+/// A triangle of a window, with n x n patches.
+struct ScannedTriangle {
+    std::array<SnappedVertex, 3> corners;
+    uint32_t triangle = 0, parity = 0, n = 1, first_patch = 0;
+};
 
 /// Follows the edges of triangles from row to row. A pixel belongs to a triangle if its centre is inside; a centre exactly on an edge is
 /// taken as if it were moved a little to the right, and far less up: the top-left rule. All is computed in whole numbers below 2^53 held in
 /// doubles; see round_up for why that is exact.
 class ScanTriangles {
 public:
-    void clear() { size_ = 0, divided_.clear(); }
+    void clear() { fours_.clear(), divided_.clear(); }
     size_t bytes() const {
         return fours_.capacity() * sizeof(Four) + divided_.capacity() * sizeof(DividedTriangle) + columns_.capacity() * sizeof(uint32_t);
     }
 
-    /// Take a triangle from its first row on, with n x n patches.
-    void push(const std::array<SnappedVertex, 3>& corners, const DepthPlane& plane, uint32_t triangle, uint32_t parity, uint32_t n, uint32_t first_patch);
-    /// Add the spans of all triangles in `row` to `sweep`, and go on to the next row.
+    /// Take one to four triangles before their first row is scanned.
+    void begin(std::span<const ScannedTriangle> triangles);
+    /// Add the spans of all triangles in `row` to `sweep`.
     void scan(int32_t row, RowSweep& sweep);
 
 private:
-    static constexpr size_t kLeft = 0, kRight = 1;
     static constexpr uint32_t kUndivided = 0xffffffffu;
 
-    /// Where an edge from `a` up to `b` crosses a row is numerator / denominator, in pixels.
-    struct Edge {
-        double numerator = 0, growth = 0, denominator = 1;
+    /// Edges from `a` up to `b` cross a row at (start + row * growth) / denominator, in pixels.
+    struct Edges {
+        Lanes start, growth, denominator;
 
-        Edge() = default;
-        Edge(const SnappedVertex& a, const SnappedVertex& b, int32_t row) {
-            const double dx = b.x - a.x, dy = b.y - a.y;
-            numerator = a.x * dy + dx * (static_cast<double>(row * kSubpixels) - a.y);
-            growth = dx * kSubpixels, denominator = dy * kSubpixels;
-        }
+        Edges(const VertexLanes& a, const VertexLanes& b);
     };
     struct FourSpans {
         IntLanes begin, end;
         Lanes depth_at_0, step;
     };
     struct Four {
-        Lanes numerator[2]{}, growth[2]{}, denominator[2]{Lanes{1, 1, 1, 1}, Lanes{1, 1, 1, 1}};
-        Lanes x{}, y{}, depth{}, slope_x{}, slope_y{}, lowest{}, highest{}, step{};  // of the planes
-        Edge upper[kLanes];                                           // follows on the side that has two edges
-        IntLanes next_change{}, end_row{};
-        uint32_t short_side[kLanes] = {}, triangle[kLanes] = {}, parity[kLanes] = {}, first_patch[kLanes] = {}, divided[kLanes] = {};
+        Edges long_edge, lower, upper;
+        DepthPlanes plane;
+        Lanes middle, end;  ///< rows from which the upper edges are met, and nothing
+        decltype(Lanes{} < Lanes{}) bends_left;  ///< are two edges on the left side?
+        int32_t last_end = 0;
+        std::array<uint32_t, kLanes> triangle{}, parity{}, first_patch{}, divided{};
 
-        void set_edge(uint32_t side, uint32_t lane, const Edge& edge) {
-            numerator[side][lane] = edge.numerator, growth[side][lane] = edge.growth, denominator[side][lane] = edge.denominator;
-        }
-        void cross(double row, FourSpans& spans);
-        void copy(uint32_t to, const Four& other, uint32_t from);
+        /// Corners are in the order of rows.
+        Four(VertexLanes a, VertexLanes b, VertexLanes c);
+        FourSpans cross(double row) const;
     };
+    void cut(const DividedTriangle& divided, int32_t row, uint32_t begin, uint32_t end, RowSweep& sweep);
 
     std::vector<Four> fours_;
     std::vector<DividedTriangle> divided_;  // of this window
     std::vector<uint32_t> columns_;
-    uint32_t size_ = 0;
 };
 
 }  // namespace lumel

@@ -44,15 +44,17 @@ void Transillumination::prepare(const Window& window) {
 
 void Transillumination::begin_triangles(uint32_t row, std::span<const Rgb> sent) {
     const Scene& scene = scene_->scene();
-    for (uint32_t i = first_of_row_[row]; i < first_of_row_[row + 1]; ++i) {
+    std::array<ScannedTriangle, kLanes> four;
+    for (uint32_t i = first_of_row_[row], lane = 0; i < first_of_row_[row + 1]; ++i) {
         const uint32_t triangle = by_row_[i], n = scene.divisions(triangle), surface = scene_->closed_surface(triangle);
         const bool front_along = turns_[triangle] > 0;
         const uint32_t first = scene.first_patch(triangle), along = front_along ? 0 : scene.patches(), against = scene.patches() - along;
         for (uint32_t patch = first; patch < first + n * n; ++patch)
             sweep_.light(patch) = PatchLight(sent[patch + along], sent[patch + against]);
-        const std::array c = corners(triangle);
-        active_.push(c, DepthPlane(c[0], c[1], c[2], turns_[triangle]), triangle,
-                     surface == RasterScene::kOpen ? RowSpan::kOpenParity : RowSpan::closed_parity(surface, front_along), n, first);
+        four[lane++] = {corners(triangle), triangle, surface == RasterScene::kOpen ? RowSpan::kOpenParity : RowSpan::closed_parity(surface, front_along), n, first};
+        if (lane < kLanes && i + 1 < first_of_row_[row + 1]) continue;
+        active_.begin({four.data(), lane});
+        lane = 0;
     }
 }
 

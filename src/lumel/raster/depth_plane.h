@@ -1,0 +1,56 @@
+// Depth over the planes of triangles, four side by side.
+#pragma once
+
+#include "lumel/raster/lanes.h"
+#include "lumel/raster/projection.h"
+
+namespace lumel {
+
+/// One corner of each of four triangles.
+struct VertexLanes {
+    Lanes x{}, y{}, depth{};
+
+    void set(uint32_t lane, const SnappedVertex& vertex) { x[lane] = vertex.x, y[lane] = vertex.y, depth[lane] = vertex.depth; }
+};
+
+/// Exchange corners where `b` is lower than `a`, or else further left, or else nearer.
+inline void put_in_order(VertexLanes& a, VertexLanes& b) {
+    const auto swap = (b.y < a.y) | ((b.y == a.y) & ((b.x < a.x) | ((b.x == a.x) & (b.depth < a.depth))));
+    const VertexLanes given = a;
+    a = {swap ? b.x : a.x, swap ? b.y : a.y, swap ? b.depth : a.depth};
+    b = {swap ? given.x : b.x, swap ? given.y : b.y, swap ? given.depth : b.depth};
+}
+
+/// Depth over the planes of triangles: at pixel (x, y) it is depth + slope_y (y - plane.y) + slope_x (x - plane.x), kept within the depths
+/// of the corners and rounded.
+struct DepthPlanes {
+    Lanes x, y, depth;  ///< of the first corners; x and y in pixels
+    Lanes slope_x, slope_y;
+    Lanes lowest, highest;
+    Lanes step;  ///< from pixel to pixel along a row, a whole number
+
+    /// Corners are in order, so that equal planes give equal numbers. Triangles without area get any numbers.
+    DepthPlanes(const VertexLanes& a, const VertexLanes& b, const VertexLanes& c) {
+        constexpr double kPixels = 1.0 / kSubpixels;
+        const Lanes bx = (b.x - a.x) * kPixels, by = (b.y - a.y) * kPixels, cx = (c.x - a.x) * kPixels, cy = (c.y - a.y) * kPixels;
+        const Lanes bd = b.depth - a.depth, cd = c.depth - a.depth, area = bx * cy - by * cx;
+        x = a.x * kPixels, y = a.y * kPixels, depth = a.depth;
+        slope_x = (bd * cy - cd * by) / area;
+        slope_y = (cd * bx - bd * cx) / area;
+        const Lanes low = a.depth < b.depth ? a.depth : b.depth, high = a.depth > b.depth ? a.depth : b.depth;
+        lowest = low < c.depth ? low : c.depth, highest = high > c.depth ? high : c.depth;
+        step = -slope_x;
+        round_up(step);
+        step = -step;
+    }
+    /// Depth at pixels (first, row).
+    Lanes at(Lanes first, double row) const {
+        Lanes d = depth + slope_y * (row - y) + slope_x * (first - x);
+        d = d > lowest ? d : lowest;
+        d = d < highest ? d : highest;
+        round(d);
+        return d;
+    }
+};
+
+}  // namespace lumel
