@@ -8,9 +8,11 @@ namespace lumel {
 
 /// One corner of each of four triangles.
 struct VertexLanes {
-    Lanes x{}, y{}, depth{};
+    Lanes x, y, depth;
 
-    void set(uint32_t lane, const SnappedVertex& vertex) { x[lane] = vertex.x, y[lane] = vertex.y, depth[lane] = vertex.depth; }
+    VertexLanes(const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c, const SnappedVertex& d)
+        : x(to_double(IntLanes{a.x, b.x, c.x, d.x})), y(to_double(IntLanes{a.y, b.y, c.y, d.y})), depth{a.depth, b.depth, c.depth, d.depth} {}
+    VertexLanes(Lanes x_, Lanes y_, Lanes depth_) : x(x_), y(y_), depth(depth_) {}
 };
 
 /// Exchange corners where `b` is lower than `a`, or else further left, or else nearer.

@@ -8,6 +8,7 @@ namespace lumel {
 inline constexpr uint32_t kLanes = 4;
 using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
 using IntLanes = int32_t __attribute__((vector_size(kLanes * sizeof(int32_t))));
+using FloatLanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 
 /// To the nearest whole number; |v| < 2^51, so that the sum has no room for fractions.
 inline void round(Lanes& v) { v = (v + 0x1.8p52) - 0x1.8p52; }
@@ -20,6 +21,8 @@ inline void round_up(Lanes& v) {
     v = v < given ? v + 1 : v;
 }
 
+inline Lanes to_double(IntLanes v) { return __builtin_convertvector(v, Lanes); }
+inline Lanes to_double(FloatLanes v) { return __builtin_convertvector(v, Lanes); }
 inline IntLanes to_int(Lanes v) { return __builtin_convertvector(v, IntLanes); }
 
 }  // namespace lumel

@@ -8,7 +8,7 @@ namespace lumel {
 void RowSweep::resize(uint32_t width, uint32_t patches) {
     events_.assign(width / 64 + 1, 0), crossings_.assign(width / 64 + 1, 0);
     first_begin_.assign(width + 1, kNone), first_end_.assign(width + 1, kNone);
-    lights_.resize(patches), as_last_.assign(patches, 0);
+    lights_.resize(patches), as_last_.resize(patches);
     spans_.resize(std::max<size_t>(spans_.size(), 2));
     runs_.resize(std::max<size_t>(runs_.size(), 1));
     runs_[kNothing] = {};
@@ -51,14 +51,10 @@ void RowSweep::exchange_runs(uint32_t x, RowSpan& near, RowSpan& far) {
         const Rgb both = PatchLight::colour(lights_[a->patch].sent_along + lights_[b->patch].sent_against);
         counters_.mispaired += to_double(both) * static_cast<double>(until - from);
     };
-    // Which run ends first is hard to foretell: do without branches, and have the ends of the next runs at hand.
-    uint32_t end_a = a->end, end_b = b->end;
-    for (uint32_t end; (end = std::min(end_a, end_b)) < x; from = end) {
-        const uint32_t next_a = a[1].end, next_b = b[1].end;
+    // Which run ends first is hard to foretell, so do without branches.
+    for (uint32_t end; (end = std::min(a->end, b->end)) < x; from = end) {
         see(end);
-        const bool a_ends = end_a == end, b_ends = end_b == end;
-        a += a_ends, b += b_ends;
-        end_a = a_ends ? next_a : end_a, end_b = b_ends ? next_b : end_b;
+        a += a->end == end, b += b->end == end;
     }
     see(x);
     near.run_to_farther = static_cast<uint32_t>(a - runs_.data()), far.run_to_nearer = static_cast<uint32_t>(b - runs_.data());

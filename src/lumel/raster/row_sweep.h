@@ -44,10 +44,12 @@ class RowSweep {
 public:
     /// Be ready for windows of `width` pixels a row, and the light of `patches` patches.
     void resize(uint32_t width, uint32_t patches);
-    /// Light of a patch; to be set before the first row, and read after the last.
-    PatchLight& light(uint32_t patch) { return lights_[patch]; }
-    /// Pixels that a patch covers.
-    uint32_t pixels(uint32_t patch) const { return static_cast<uint32_t>(PatchLight::count(lights_[patch].received_along)) + as_last_[patch]; }
+    /// Have a patch send light, from its first row on.
+    void begin_patch(uint32_t patch, const PatchLight& light) { lights_[patch] = light, as_last_[patch] = 0; }
+    /// What a patch has sent and received.
+    const PatchLight& light(uint32_t patch) const { return lights_[patch]; }
+    /// Pixels at which nothing lies behind a patch.
+    uint32_t pixels_as_last(uint32_t patch) const { return as_last_[patch]; }
 
     /// Be ready for a row of at most `spans` spans.
     void begin_row(size_t spans) {
@@ -105,7 +107,7 @@ private:
     void expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t x, uint32_t last);
 
     std::vector<PatchLight> lights_;
-    std::vector<uint32_t> as_last_;  // of each patch, pixels at which nothing is behind it
+    std::vector<uint32_t> as_last_;  // see pixels_as_last
     std::vector<uint64_t> events_, crossings_;  // one bit a pixel: something changes there; neighbours change places
     std::vector<uint32_t> first_begin_, first_end_;  // span that begins or ends at a pixel, or kNone
     std::vector<RowSpan> spans_;

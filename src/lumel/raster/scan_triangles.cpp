@@ -14,20 +14,15 @@ ScanTriangles::Four::Four(VertexLanes a, VertexLanes b, VertexLanes c)
     bends_left = (b.x - a.x) * (c.y - a.y) < (b.y - a.y) * (c.x - a.x);
 }
 
-void ScanTriangles::begin(std::span<const ScannedTriangle> triangles) {
-    // Lanes without a triangle repeat the first one, and end before they begin.
-    std::array<VertexLanes, 3> corners;
-    for (uint32_t lane = 0; lane < kLanes; ++lane)
-        for (size_t k = 0; k < 3; ++k) corners[k].set(lane, triangles[lane < triangles.size() ? lane : 0].corners[k]);
-    auto& [a, b, c] = corners;
+void ScanTriangles::begin(const std::array<ScannedTriangle, kLanes>& triangles, uint32_t count) {
+    const auto corner = [&](size_t k) {
+        return VertexLanes(triangles[0].corners[k], triangles[1].corners[k], triangles[2].corners[k], triangles[3].corners[k]);
+    };
+    VertexLanes a = corner(0), b = corner(1), c = corner(2);
     put_in_order(a, b), put_in_order(b, c), put_in_order(a, b);
 
     Four& four = fours_.emplace_back(a, b, c);
-    for (uint32_t lane = 0; lane < kLanes; ++lane) {
-        if (lane >= triangles.size()) {
-            four.end[lane] = -1;
-            continue;
-        }
+    for (uint32_t lane = 0; lane < count; ++lane) {
         const ScannedTriangle& t = triangles[lane];
         four.last_end = std::max(four.last_end, static_cast<int32_t>(four.end[lane]));
         four.triangle[lane] = t.triangle, four.parity[lane] = t.parity, four.first_patch[lane] = t.first_patch;
@@ -36,6 +31,7 @@ void ScanTriangles::begin(std::span<const ScannedTriangle> triangles) {
         four.divided[lane] = static_cast<uint32_t>(divided_.size());
         divided_.emplace_back(t.corners, t.n, t.first_patch);
     }
+    for (uint32_t lane = count; lane < kLanes; ++lane) four.end[lane] = 0;
 }
 
 /// Find what a row covers of the triangles. Every statement is one for all lanes.

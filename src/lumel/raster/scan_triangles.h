@@ -1,8 +1,6 @@
 // The triangles that cross the present row of the window, four side by side.
 #pragma once
 
-#include <span>
-
 #include "lumel/raster/depth_plane.h"
 #include "lumel/raster/patch_runs.h"
 #include "lumel/raster/row_sweep.h"
@@ -25,8 +23,8 @@ public:
         return fours_.capacity() * sizeof(Four) + divided_.capacity() * sizeof(DividedTriangle) + columns_.capacity() * sizeof(uint32_t);
     }
 
-    /// Take one to four triangles before their first row is scanned.
-    void begin(std::span<const ScannedTriangle> triangles);
+    /// Take the first `count` of four triangles before their first row is scanned.
+    void begin(const std::array<ScannedTriangle, kLanes>& triangles, uint32_t count);
     /// Add the spans of all triangles in `row` to `sweep`.
     void scan(int32_t row, RowSweep& sweep);
 

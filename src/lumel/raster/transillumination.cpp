@@ -44,16 +44,19 @@ void Transillumination::prepare(const Window& window) {
 
 void Transillumination::begin_triangles(uint32_t row, std::span<const Rgb> sent) {
     const Scene& scene = scene_->scene();
-    std::array<ScannedTriangle, kLanes> four;
+    std::array<ScannedTriangle, kLanes> four{};
     for (uint32_t i = first_of_row_[row], lane = 0; i < first_of_row_[row + 1]; ++i) {
         const uint32_t triangle = by_row_[i], n = scene.divisions(triangle), surface = scene_->closed_surface(triangle);
         const bool front_along = turns_[triangle] > 0;
-        const uint32_t first = scene.first_patch(triangle), along = front_along ? 0 : scene.patches(), against = scene.patches() - along;
-        for (uint32_t patch = first; patch < first + n * n; ++patch)
-            sweep_.light(patch) = PatchLight(sent[patch + along], sent[patch + against]);
-        four[lane++] = {corners(triangle), triangle, surface == RasterScene::kOpen ? RowSpan::kOpenParity : RowSpan::closed_parity(surface, front_along), n, first};
+        const uint32_t first = scene.first_patch(triangle), end = first + n * n;
+        const Rgb* along = &sent[front_along ? 0 : scene.patches()];
+        const Rgb* against = &sent[front_along ? scene.patches() : 0];
+        for (uint32_t patch = first; patch < end; ++patch) sweep_.begin_patch(patch, PatchLight(along[patch], against[patch]));
+
+        four[lane++] = {corners(triangle), triangle,
+                        surface == RasterScene::kOpen ? RowSpan::kOpenParity : RowSpan::closed_parity(surface, front_along), n, first};
         if (lane < kLanes && i + 1 < first_of_row_[row + 1]) continue;
-        active_.begin({four.data(), lane});
+        active_.begin(four, lane);
         lane = 0;
     }
 }
@@ -61,23 +64,27 @@ void Transillumination::begin_triangles(uint32_t row, std::span<const Rgb> sent)
 void Transillumination::collect(std::span<Rgb> received, std::span<uint32_t> pixels, SweepCounters& counters) {
     const Scene& scene = scene_->scene();
     const auto none = static_cast<uint32_t>(first_of_row_.size() - 2);
+    Lanes escaped{};
     for (uint32_t triangle = 0; triangle < scene.triangles(); ++triangle) {
         if (first_row_[triangle] == none) continue;
-        const uint32_t n = scene.divisions(triangle), first = scene.first_patch(triangle);
-        const uint32_t along = turns_[triangle] > 0 ? 0 : scene.patches(), against = scene.patches() - along;
-        for (uint32_t patch = first; patch < first + n * n; ++patch) {
+        const bool front_along = turns_[triangle] > 0;
+        const uint32_t n = scene.divisions(triangle), first = scene.first_patch(triangle), end = first + n * n;
+        Rgb* along = &received[front_along ? 0 : scene.patches()];
+        Rgb* against = &received[front_along ? scene.patches() : 0];
+        for (uint32_t patch = first; patch < end; ++patch) {
             const PatchLight& light = sweep_.light(patch);
-            received[patch + along] += PatchLight::colour(light.received_along);
-            received[patch + against] += PatchLight::colour(light.received_against);
-            pixels[patch] += sweep_.pixels(patch);
-            counters.fragments += sweep_.pixels(patch);
+            along[patch] += PatchLight::colour(light.received_along);
+            against[patch] += PatchLight::colour(light.received_against);
 
             // What nothing received leaves the scene.
-            const auto unseen = [&](PatchLight::Flow flow) { return static_cast<double>(sweep_.pixels(patch)) - double{PatchLight::count(flow)}; };
-            counters.escaped += to_double(PatchLight::colour(light.sent_along)) * unseen(light.received_along);
-            counters.escaped += to_double(PatchLight::colour(light.sent_against)) * unseen(light.received_against);
+            const uint32_t last = sweep_.pixels_as_last(patch), covered = PatchLight::count(light.received_along) + last;
+            const uint32_t as_first = covered - PatchLight::count(light.received_against);
+            escaped += to_double(light.sent_along * static_cast<float>(last) + light.sent_against * static_cast<float>(as_first));
+            pixels[patch] += covered;
+            counters.fragments += covered;
         }
     }
+    counters.escaped += Rgb64{escaped[0], escaped[1], escaped[2]};
 }
 
 size_t Transillumination::bytes() const {
