@@ -21,6 +21,12 @@ inline void round_up(Lanes& v) {
     v = v < given ? v + 1 : v;
 }
 
+/// One bit for each lane of a comparison.
+inline uint32_t bits(IntLanes is_true) {
+    const IntLanes bit = is_true & IntLanes{1, 2, 4, 8};
+    return static_cast<uint32_t>(bit[0] | bit[1] | bit[2] | bit[3]);
+}
+
 inline Lanes to_double(IntLanes v) { return __builtin_convertvector(v, Lanes); }
 inline Lanes to_double(FloatLanes v) { return __builtin_convertvector(v, Lanes); }
 inline IntLanes to_int(Lanes v) { return __builtin_convertvector(v, IntLanes); }

@@ -1,6 +1,7 @@
 // The vertices of a scene in a window: snapped to a grid finer than the pixels, so that all tests of coverage are exact.
 #pragma once
 
+#include "lumel/raster/lanes.h"
 #include "lumel/raster/window.h"
 
 namespace lumel {
@@ -18,15 +19,20 @@ struct SnappedVertex {
     double depth = 0;
 };
 
-/// The first pixel of a row or column whose centre is not below `s`, in subpixels.
-constexpr int32_t first_pixel(int32_t s) { return static_cast<int32_t>((s + kSubpixels - 1) >> kSubpixelBits); }
-
 /// Snap all vertices of `scene` into `snapped`. Vertices in the same place are snapped to the same place.
 void project(const Scene& scene, const Window& window, std::vector<SnappedVertex>& snapped);
 
 /// Twice the signed area of three snapped vertices, in square subpixels: positive where the front looks along the window's direction.
 constexpr int64_t turn(const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c) {
     return int64_t{b.x - a.x} * (c.y - a.y) - int64_t{b.y - a.y} * (c.x - a.x);
+}
+
+/// The first row of a triangle, or the highest number if it has no pixel for certain: many of the smallest lie between two rows or columns.
+inline uint32_t first_row(const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c) {
+    const auto pixel = [](const SnappedVertex& v) { return (IntLanes{v.x, v.y, 0, 0} + static_cast<int32_t>(kSubpixels - 1)) >> kSubpixelBits; };
+    const IntLanes pa = pixel(a), pb = pixel(b), pc = pixel(c), ab = pa < pb ? pa : pb, least = ab < pc ? ab : pc;
+    const IntLanes has_none = (pa == pb) & (pb == pc);
+    return static_cast<uint32_t>(least[1] | has_none[0] | has_none[1]);
 }
 
 }  // namespace lumel

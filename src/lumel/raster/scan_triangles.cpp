@@ -1,5 +1,7 @@
 #include "lumel/raster/scan_triangles.h"
 
+#include <bit>
+
 namespace lumel {
 
 ScanTriangles::Edges::Edges(const VertexLanes& a, const VertexLanes& b) {
@@ -57,8 +59,8 @@ void ScanTriangles::scan(int32_t row, RowSweep& sweep) {
     for (size_t i = 0; i < fours_.size();) {
         const Four& four = fours_[i];
         const FourSpans spans = four.cross(row);
-        for (uint32_t k = 0; k < kLanes; ++k) {
-            if (spans.begin[k] >= spans.end[k]) continue;
+        for (uint32_t left = bits(spans.begin < spans.end); left != 0; left &= left - 1) {
+            const auto k = static_cast<uint32_t>(std::countr_zero(left));
             const auto begin = static_cast<uint32_t>(spans.begin[k]), end = static_cast<uint32_t>(spans.end[k]);
             sweep.add(begin, end, spans.depth_at_0[k], spans.step[k], four.triangle[k], four.parity[k]);
             if (four.divided[k] == kUndivided)

@@ -23,17 +23,15 @@ void Transillumination::prepare(const Window& window) {
     const uint32_t triangles = scene.triangles();
     project(scene, window, vertices_);
     sweep_.resize(window.resolution, scene.patches());
-    turns_.resize(triangles), first_row_.resize(triangles), by_row_.resize(triangles);
+    front_along_.resize(triangles), first_row_.resize(triangles), by_row_.resize(triangles);
 
     // Sort the triangles by their first rows.
     first_of_row_.assign(window.resolution + 2, 0);
     for (uint32_t t = 0; t < triangles; ++t) {
-        const auto [a, b, c] = corners(t);
-        turns_[t] = turn(a, b, c);
-        // Many of the smallest lie between two rows or columns.
-        const int32_t row = first_pixel(std::min({a.y, b.y, c.y})), column = first_pixel(std::min({a.x, b.x, c.x}));
-        const bool has_pixels = turns_[t] != 0 && row < first_pixel(std::max({a.y, b.y, c.y})) && column < first_pixel(std::max({a.x, b.x, c.x}));
-        first_row_[t] = has_pixels ? static_cast<uint32_t>(row) : window.resolution;
+        const auto [a, b, c] = corners(scene_->triangles()[t]);
+        const int64_t twice_area = turn(a, b, c);
+        front_along_[t] = twice_area > 0;
+        first_row_[t] = twice_area == 0 ? window.resolution : std::min(first_row(a, b, c), window.resolution);
     }
     for (uint32_t row : first_row_) ++first_of_row_[row + 1];
     for (uint32_t row = 0; row <= window.resolution; ++row) first_of_row_[row + 1] += first_of_row_[row];
@@ -46,14 +44,15 @@ void Transillumination::begin_triangles(uint32_t row, std::span<const Rgb> sent)
     const Scene& scene = scene_->scene();
     std::array<ScannedTriangle, kLanes> four{};
     for (uint32_t i = first_of_row_[row], lane = 0; i < first_of_row_[row + 1]; ++i) {
-        const uint32_t triangle = by_row_[i], n = scene.divisions(triangle), surface = scene_->closed_surface(triangle);
-        const bool front_along = turns_[triangle] > 0;
-        const uint32_t first = scene.first_patch(triangle), end = first + n * n;
+        const uint32_t triangle = by_row_[i];
+        const auto& [indices, n, first, surface] = scene_->triangles()[triangle];
+        const bool front_along = front_along_[triangle];
+        const uint32_t end = first + n * n;
         const Rgb* along = &sent[front_along ? 0 : scene.patches()];
         const Rgb* against = &sent[front_along ? scene.patches() : 0];
         for (uint32_t patch = first; patch < end; ++patch) sweep_.begin_patch(patch, PatchLight(along[patch], against[patch]));
 
-        four[lane++] = {corners(triangle), triangle,
+        four[lane++] = {corners(scene_->triangles()[triangle]), triangle,
                         surface == RasterScene::kOpen ? RowSpan::kOpenParity : RowSpan::closed_parity(surface, front_along), n, first};
         if (lane < kLanes && i + 1 < first_of_row_[row + 1]) continue;
         active_.begin(four, lane);
@@ -67,8 +66,9 @@ void Transillumination::collect(std::span<Rgb> received, std::span<uint32_t> pix
     Lanes escaped{};
     for (uint32_t triangle = 0; triangle < scene.triangles(); ++triangle) {
         if (first_row_[triangle] == none) continue;
-        const bool front_along = turns_[triangle] > 0;
-        const uint32_t n = scene.divisions(triangle), first = scene.first_patch(triangle), end = first + n * n;
+        const auto& [indices, n, first, surface] = scene_->triangles()[triangle];
+        const bool front_along = front_along_[triangle];
+        const uint32_t end = first + n * n;
         Rgb* along = &received[front_along ? 0 : scene.patches()];
         Rgb* against = &received[front_along ? scene.patches() : 0];
         for (uint32_t patch = first; patch < end; ++patch) {
@@ -89,7 +89,7 @@ void Transillumination::collect(std::span<Rgb> received, std::span<uint32_t> pix
 
 size_t Transillumination::bytes() const {
     const auto of = [](const auto& values) { return values.capacity() * sizeof(values[0]); };
-    return of(vertices_) + of(turns_) + of(first_row_) + of(first_of_row_) + of(by_row_) + active_.bytes() +
+    return of(vertices_) + of(front_along_) + of(first_row_) + of(first_of_row_) + of(by_row_) + active_.bytes() +
            sweep_.bytes();
 }
 

@@ -35,15 +35,15 @@ private:
     void prepare(const Window& window);
     void begin_triangles(uint32_t row, std::span<const Rgb> sent);
     void collect(std::span<Rgb> received, std::span<uint32_t> pixels, SweepCounters& counters);
-    std::array<SnappedVertex, 3> corners(uint32_t triangle) const {
-        const auto& [a, b, c] = scene_->scene().indices()[triangle];
+    std::array<SnappedVertex, 3> corners(const RasterTriangle& triangle) const {
+        const auto& [a, b, c] = triangle.corners;
         return {vertices_[a], vertices_[b], vertices_[c]};
     }
 
     const RasterScene* scene_;
     std::vector<SnappedVertex> vertices_;
-    std::vector<int64_t> turns_;  // of each triangle
     std::vector<uint32_t> first_row_;  // of each triangle, or the number of rows where it has none
+    std::vector<uint8_t> front_along_;  // of each triangle: its front looks along the direction
     std::vector<uint32_t> first_of_row_, by_row_;  // triangles in the order of their first rows, and where those of a row begin
     ScanTriangles active_;
     RowSweep sweep_;
