@@ -14,11 +14,11 @@ namespace lumel {
 /// The part of a row that a triangle covers, and its place on the lines there.
 struct alignas(64) RowSpan {
     double depth_at_0 = 0, step = 0;  ///< whole numbers: the depth at pixel x is depth_at_0 + x step
+    RowSpan *nearer = nullptr, *farther = nullptr;  ///< neighbours on the line
     uint32_t end = 0;                 ///< the pixel after the last
     uint32_t triangle = 0;
     uint32_t parity = 0;                       ///< see kOpenParity
     uint32_t also_begins = 0, also_ends = 0;   ///< another span that begins or ends at the same pixel
-    uint32_t nearer = 0, farther = 0;          ///< neighbours on the line
     uint32_t since = 0;                        ///< pixel from which `farther` is the neighbour
     uint32_t run_to_nearer = 0, run_to_farther = 0;  ///< the patches that have not seen the neighbours yet
 
@@ -53,8 +53,8 @@ public:
 
     /// Be ready for a row of at most `spans` spans.
     void begin_row(size_t spans) {
-        if (spans_.size() < spans + 2) spans_.resize(spans + 2);
-        size_ = 2;
+        if (spans_.size() < spans) spans_.resize(spans);
+        size_ = 0;
         runs_size_ = kNothing + 1;
     }
     /// Take the span from pixel `begin` to before `end`. Its runs follow.
@@ -85,7 +85,6 @@ public:
     }
 
 private:
-    static constexpr uint32_t kFront = 0, kBehind = 1;  // spans before and behind all others: those who see them see nothing
     static constexpr uint32_t kNothing = 0;              // the run of both: before every pixel, so that nothing is exchanged
     static constexpr uint32_t kNone = 0xffffffffu;
 
@@ -95,9 +94,9 @@ private:
         return std::exchange(first[x], size_);
     }
     void change(uint32_t x, uint32_t ending, uint32_t beginning);
-    bool replace(uint32_t ending, uint32_t beginning, uint32_t x);
-    void remove(uint32_t ending, uint32_t x);
-    void insert(uint32_t beginning, uint32_t x);
+    bool replace(RowSpan& old, RowSpan& span, uint32_t x);
+    void remove(RowSpan& old, uint32_t x);
+    void insert(RowSpan& span, uint32_t x);
     void sort(uint32_t x);
     void exchange_until(uint32_t x, RowSpan& near, RowSpan& far);
     void exchange_runs(uint32_t x, RowSpan& near, RowSpan& far);
@@ -110,12 +109,13 @@ private:
     std::vector<uint32_t> as_last_;  // see pixels_as_last
     std::vector<uint64_t> events_, crossings_;  // one bit a pixel: something changes there; neighbours change places
     std::vector<uint32_t> first_begin_, first_end_;  // span that begins or ends at a pixel, or kNone
+    RowSpan front_, behind_;  // before and behind all others: those who see them see nothing
     std::vector<RowSpan> spans_;
     std::vector<PatchRun> runs_;
-    std::vector<uint32_t> order_;
+    std::vector<RowSpan*> order_;
     uint32_t size_ = 0;  // of spans_, those in use
     uint32_t runs_size_ = 0;  // of runs_
-    uint32_t last_ = 0;  // span of the line that was touched last
+    RowSpan* last_ = nullptr;  // of the line, touched last
 
     uint64_t depth_ = 0;
     int64_t balance_ = 0, unturned_ = 0;  // of the line: spans, fronts - backs of closed surfaces, neighbours that face alike
