@@ -11,7 +11,9 @@ struct VertexLanes {
     Lanes x, y, depth;
 
     VertexLanes(const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c, const SnappedVertex& d)
-        : x(to_double(IntLanes{a.x, b.x, c.x, d.x})), y(to_double(IntLanes{a.y, b.y, c.y, d.y})), depth{a.depth, b.depth, c.depth, d.depth} {}
+        : x(to_double(IntLanes{a.x, b.x, c.x, d.x})),
+          y(to_double(IntLanes{a.y, b.y, c.y, d.y})),
+          depth{a.depth, b.depth, c.depth, d.depth} {}
     VertexLanes(Lanes x_, Lanes y_, Lanes depth_) : x(x_), y(y_), depth(depth_) {}
 };
 
@@ -26,11 +28,12 @@ inline void put_in_order(VertexLanes& a, VertexLanes& b) {
 /// Depth over the planes of triangles: at pixel (x, y) it is depth + slope_y (y - plane.y) + slope_x (x - plane.x), kept within the depths
 /// of the corners and rounded.
 struct DepthPlanes {
-    Lanes x, y, depth;  ///< of the first corners; x and y in pixels
-    Lanes slope_x, slope_y;
-    Lanes lowest, highest;
-    Lanes step;  ///< from pixel to pixel along a row, a whole number
+    Lanes x{}, y{}, depth{};  ///< of the first corners; x and y in pixels
+    Lanes slope_x{}, slope_y{};
+    Lanes lowest{}, highest{};
+    Lanes step{};  ///< from pixel to pixel along a row, a whole number
 
+    DepthPlanes() = default;
     /// Corners are in order, so that equal planes give equal numbers. Triangles without area get any numbers.
     DepthPlanes(const VertexLanes& a, const VertexLanes& b, const VertexLanes& c) {
         constexpr double kPixels = 1.0 / kSubpixels;

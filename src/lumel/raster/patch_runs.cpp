@@ -58,13 +58,10 @@ uint32_t DividedTriangle::cut(int32_t row, uint32_t begin, uint32_t end, PatchRu
     // The same as PatchPlace::index: it changes by one over lines of u and u + v, and by ever less over those of v.
     const auto i = static_cast<uint32_t>(before[0]), j = static_cast<uint32_t>(before[1]), both = static_cast<uint32_t>(before[2]);
     cuts[1].step = between_[1] > 0 ? 2 * (n_ - 1 - j) : 2 * (j - n_), cuts[1].growth = ~1u;
-    uint32_t patch = first_patch_ + j * (2 * n_ - 1 - j) + i + both, count = 0, x = begin;
-    const auto run_to = [&](uint32_t column) {
-        // Of several lines at one pixel, the patches between have none.
-        runs[count] = {column, patch};
-        count += column != x;
-        x = column;
-    };
+    uint32_t patch = first_patch_ + j * (2 * n_ - 1 - j) + i + both;
+    PatchRun* run = runs;
+    const auto run_to = [&](uint32_t column) { *run++ = {column, patch}; };
+
     // Rows meet the steepest lines most often. Between two of these they pass two patches, so just one line of the other families.
     Cuts main = cuts[steepest_], a = cuts[steepest_ == 1 ? 0 : 1], b = cuts[steepest_ == 2 ? 0 : 2];
     const auto cross_main = [&] {
@@ -82,7 +79,7 @@ uint32_t DividedTriangle::cut(int32_t row, uint32_t begin, uint32_t end, PatchRu
         cross_main();
     }
     run_to(end);
-    return count;
+    return static_cast<uint32_t>(run - runs);
 }
 
 }  // namespace lumel

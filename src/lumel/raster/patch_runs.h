@@ -15,9 +15,9 @@ struct PatchRun {
     uint32_t end = 0, patch = 0;
 };
 
-/// The lines that divide a triangle into n x n patches, in three families: u, v and u + v constant, a whole number of n-ths. A pixel belongs
-/// to the patch that its centre is in; a centre exactly on a line is taken as if it were moved a little to the right, and far less up: the
-/// rule of ScanTriangles, so that patches cover what their triangle covers.
+/// The lines that divide a triangle into n x n patches, in three families: u, v and u + v constant, a whole number of n-ths. A pixel
+/// belongs to the patch that its centre is in; a centre exactly on a line is taken as if it were moved a little to the right, and far less
+/// up: the rule of ScanTriangles, so that patches cover what their triangle covers.
 class DividedTriangle {
 public:
     /// `corners` are those of (u, v) = (0, 0), (1, 0) and (0, 1), and not on one line; `n` > 1.

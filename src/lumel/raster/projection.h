@@ -9,8 +9,8 @@ namespace lumel {
 inline constexpr int kSubpixelBits = 8;
 /// Places along one edge of a pixel where a vertex can be.
 inline constexpr int64_t kSubpixels = int64_t{1} << kSubpixelBits;
-/// Depths are whole numbers from -kDepthRange to kDepthRange over the diameter of the scene, and linear along each row of a triangle without
-/// rounding: two pixels of a row grow by 2 kDepthRange at most, the farthest is Window::kMostResolution away, and 53 bits hold all.
+/// Depths are whole numbers from -kDepthRange to kDepthRange over the diameter of the scene, and linear along each row of a triangle
+/// without rounding: two pixels of a row grow by 2 kDepthRange at most, the farthest is Window::kMostResolution away, and 53 bits hold all.
 inline constexpr double kDepthRange = 0x1p39;
 
 /// A vertex in the window: x and y in subpixels, the depth in its own units.
@@ -29,7 +29,9 @@ constexpr int64_t turn(const SnappedVertex& a, const SnappedVertex& b, const Sna
 
 /// The first row of a triangle, or the highest number if it has no pixel for certain: many of the smallest lie between two rows or columns.
 inline uint32_t first_row(const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c) {
-    const auto pixel = [](const SnappedVertex& v) { return (IntLanes{v.x, v.y, 0, 0} + static_cast<int32_t>(kSubpixels - 1)) >> kSubpixelBits; };
+    const auto pixel = [](const SnappedVertex& v) {
+        return (IntLanes{v.x, v.y, 0, 0} + static_cast<int32_t>(kSubpixels - 1)) >> kSubpixelBits;
+    };
     const IntLanes pa = pixel(a), pb = pixel(b), pc = pixel(c), ab = pa < pb ? pa : pb, least = ab < pc ? ab : pc;
     const IntLanes has_none = (pa == pb) & (pb == pc);
     return static_cast<uint32_t>(least[1] | has_none[0] | has_none[1]);

@@ -80,12 +80,12 @@ public:
     /// Add to `counters` what was met since the last call.
     void count(SweepCounters& counters);
     size_t bytes() const {
-        return lights_.capacity() * (sizeof(PatchLight) + sizeof(uint32_t)) + runs_.capacity() * sizeof(PatchRun) + spans_.capacity() * sizeof(RowSpan) +
-               first_begin_.capacity() * 2 * sizeof(uint32_t);
+        return lights_.capacity() * (sizeof(PatchLight) + sizeof(uint32_t)) + runs_.capacity() * sizeof(PatchRun) +
+               spans_.capacity() * sizeof(RowSpan) + first_begin_.capacity() * 2 * sizeof(uint32_t);
     }
 
 private:
-    static constexpr uint32_t kNothing = 0;              // the run of both: before every pixel, so that nothing is exchanged
+    static constexpr uint32_t kNothing = 0;  // the run of both: before every pixel, so that nothing is exchanged
     static constexpr uint32_t kNone = 0xffffffffu;
 
     /// Put the new span at the head of the list of pixel `x`; gives the one that was there.

@@ -1,6 +1,7 @@
 #include "lumel/raster/scan_triangles.h"
 
 #include <bit>
+#include <memory>
 
 namespace lumel {
 
@@ -23,7 +24,11 @@ void ScanTriangles::begin(const std::array<ScannedTriangle, kLanes>& triangles, 
     VertexLanes a = corner(0), b = corner(1), c = corner(2);
     put_in_order(a, b), put_in_order(b, c), put_in_order(a, b);
 
-    Four& four = fours_.emplace_back(a, b, c);
+    // Take the place of four that have ended, if there is one.
+    if (free_.empty()) free_.push_back(static_cast<uint32_t>(fours_.size())), fours_.emplace_back();
+    Four& four = fours_[free_.back()];
+    live_.push_back(free_.back()), free_.pop_back();
+    std::construct_at(&four, a, b, c);
     for (uint32_t lane = 0; lane < count; ++lane) {
         const ScannedTriangle& t = triangles[lane];
         four.last_end = std::max(four.last_end, static_cast<int32_t>(four.end[lane]));
@@ -55,9 +60,9 @@ inline ScanTriangles::FourSpans ScanTriangles::Four::cross(double row) const {
 }
 
 void ScanTriangles::scan(int32_t row, RowSweep& sweep) {
-    sweep.begin_row(fours_.size() * kLanes);
-    for (size_t i = 0; i < fours_.size();) {
-        const Four& four = fours_[i];
+    sweep.begin_row(live_.size() * kLanes);
+    for (size_t i = 0; i < live_.size();) {
+        const Four& four = fours_[live_[i]];
         const FourSpans spans = four.cross(row);
         for (uint32_t left = bits(spans.begin < spans.end); left != 0; left &= left - 1) {
             const auto k = static_cast<uint32_t>(std::countr_zero(left));
@@ -69,11 +74,10 @@ void ScanTriangles::scan(int32_t row, RowSweep& sweep) {
                 cut(divided_[four.divided[k]], row, begin, end, sweep);
         }
 
-        // The last takes the place of one that ends.
         if (four.last_end > row + 1)
             ++i;
         else
-            fours_[i] = fours_.back(), fours_.pop_back();
+            free_.push_back(live_[i]), live_[i] = live_.back(), live_.pop_back();
     }
 }
 

@@ -18,9 +18,10 @@ struct ScannedTriangle {
 /// doubles; see round_up for why that is exact.
 class ScanTriangles {
 public:
-    void clear() { fours_.clear(), divided_.clear(); }
+    void clear() { fours_.clear(), live_.clear(), free_.clear(), divided_.clear(); }
     size_t bytes() const {
-        return fours_.capacity() * sizeof(Four) + divided_.capacity() * sizeof(DividedTriangle) + columns_.capacity() * sizeof(uint32_t);
+        return fours_.capacity() * (sizeof(Four) + 2 * sizeof(uint32_t)) + divided_.capacity() * sizeof(DividedTriangle) +
+               columns_.capacity() * sizeof(uint32_t);
     }
 
     /// Take the first `count` of four triangles before their first row is scanned.
@@ -33,8 +34,9 @@ private:
 
     /// Edges from `a` up to `b` cross a row at (start + row * growth) / denominator, in pixels.
     struct Edges {
-        Lanes start, growth, denominator;
+        Lanes start{}, growth{}, denominator{};
 
+        Edges() = default;
         Edges(const VertexLanes& a, const VertexLanes& b);
     };
     struct FourSpans {
@@ -44,11 +46,12 @@ private:
     struct Four {
         Edges long_edge, lower, upper;
         DepthPlanes plane;
-        Lanes middle, end;  ///< rows from which the upper edges are met, and nothing
-        decltype(Lanes{} < Lanes{}) bends_left;  ///< are two edges on the left side?
+        Lanes middle{}, end{};  ///< rows from which the upper edges are met, and nothing
+        decltype(Lanes{} < Lanes{}) bends_left{};  ///< are two edges on the left side?
         int32_t last_end = 0;
         std::array<uint32_t, kLanes> triangle{}, parity{}, first_patch{}, divided{};
 
+        Four() = default;
         /// Corners are in the order of rows.
         Four(VertexLanes a, VertexLanes b, VertexLanes c);
         FourSpans cross(double row) const;
@@ -56,6 +59,7 @@ private:
     void cut(const DividedTriangle& divided, int32_t row, uint32_t begin, uint32_t end, RowSweep& sweep);
 
     std::vector<Four> fours_;
+    std::vector<uint32_t> live_, free_;  // of fours_, those that cross the row and those that have ended
     std::vector<DividedTriangle> divided_;  // of this window
     std::vector<uint32_t> columns_;
 };

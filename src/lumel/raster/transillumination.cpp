@@ -89,8 +89,7 @@ void Transillumination::collect(std::span<Rgb> received, std::span<uint32_t> pix
 
 size_t Transillumination::bytes() const {
     const auto of = [](const auto& values) { return values.capacity() * sizeof(values[0]); };
-    return of(vertices_) + of(front_along_) + of(first_row_) + of(first_of_row_) + of(by_row_) + active_.bytes() +
-           sweep_.bytes();
+    return of(vertices_) + of(front_along_) + of(first_row_) + of(first_of_row_) + of(by_row_) + active_.bytes() + sweep_.bytes();
 }
 
 }  // namespace lumel
