@@ -57,6 +57,10 @@ struct Outline {
 
 }  // namespace
 
+bool patch_covers(const std::array<SnappedVertex, 3>& triangle, uint32_t n, const PatchPlace& place, int64_t x, int64_t y) {
+    return Outline(triangle, turn(triangle[0], triangle[1], triangle[2]) > 0, n, place).covers(x, y);
+}
+
 std::vector<std::vector<Fragment>> fragment_lists(const Scene& scene, const Window& window) {
     std::vector<SnappedVertex> vertices;
     project(scene, window, vertices);
