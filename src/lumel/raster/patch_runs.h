@@ -3,14 +3,13 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "lumel/raster/lanes.h"
 #include "lumel/raster/projection.h"
 
 namespace lumel {
 
-/// Pixels of a row that belong to one patch, from where the run before it ends to before `end`.
+/// Pixels of a row that belong to one patch, from where the run before it ends to before `end`; there may be none.
 struct PatchRun {
     uint32_t end = 0, patch = 0;
 };

@@ -29,8 +29,8 @@ struct alignas(64) RowSpan {
         return a != b ? a < b : triangle < other.triangle;
     }
 
-    /// How a patch counts in the parity of lines: even for closed surfaces, equal for those of one that face the same way. The two lowest
-    /// bits sum to the number of patches on a line where the fronts of closed surfaces are as many as the backs.
+    /// How a triangle counts in the parity of lines: even for closed surfaces, equal for those of one that face the same way. The two
+    /// lowest bits sum to the number of triangles on a line where the fronts of closed surfaces are as many as the backs.
     static constexpr uint32_t kOpenParity = 1;
     static uint32_t closed_parity(uint32_t surface, bool front_along) { return surface * 4 + (front_along ? 2 : 0); }
     /// Are they of one closed surface and face the same way?
@@ -66,10 +66,12 @@ public:
         span.run_to_nearer = span.run_to_farther = runs_size_;
         ++size_;
     }
+    /// The one run of a span that is of one patch.
     void add_run(PatchRun run) {
-        if (runs_.size() < runs_size_ + size_t{2}) runs_.resize(2 * (runs_size_ + size_t{2}));
+        if (runs_.size() <= runs_size_) runs_.resize(2 * (runs_size_ + size_t{1}));
         runs_[runs_size_++] = run;
     }
+    /// Room for at most `count` runs of a span, in their order; add_runs tells how many there are.
     PatchRun* room_for_runs(size_t count) {
         if (runs_.size() < runs_size_ + count) runs_.resize(2 * (runs_size_ + count));
         return &runs_[runs_size_];

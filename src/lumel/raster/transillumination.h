@@ -9,7 +9,7 @@ namespace lumel {
 /// Rasterises the scene and exchanges light along its lines. Coverage is exact: a pixel on the shared edge of two patches belongs to one of
 /// them, also where the triangles are divided unequally; for that their vertices must be in the same places. Where a vertex lies on the
 /// edge of another triangle, a gap or overlap of half a subpixel is possible, as it is for rays. Faces seen edge-on, needles, patches that
-/// coincide or cross, and open surfaces are all right. Equal depths are told apart by the number of the patch. A sheet thinner than a
+/// coincide or cross, and open surfaces are all right. Equal depths are told apart by the number of the triangle. A sheet thinner than a
 /// subpixel or two may fold over itself when its corners are snapped; its lines then cross it three times, in turn.
 ///
 /// Holds scratch memory, which grows with the patches and with the spans of one row: one object a thread.
