@@ -11,10 +11,10 @@ struct VertexLanes {
     Lanes x, y, depth;
 
     VertexLanes(const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c, const SnappedVertex& d)
-        : x(to_double(IntLanes{a.x, b.x, c.x, d.x})),
-          y(to_double(IntLanes{a.y, b.y, c.y, d.y})),
+        : x(__builtin_convertvector((IntLanes{a.x, b.x, c.x, d.x}), Lanes)),
+          y(__builtin_convertvector((IntLanes{a.y, b.y, c.y, d.y}), Lanes)),
           depth{a.depth, b.depth, c.depth, d.depth} {}
-    VertexLanes(Lanes x_, Lanes y_, Lanes depth_) : x(x_), y(y_), depth(depth_) {}
+    VertexLanes(const Lanes& x_, const Lanes& y_, const Lanes& depth_) : x(x_), y(y_), depth(depth_) {}
 };
 
 /// Exchange corners where `b` is lower than `a`, or else further left, or else nearer.
@@ -48,13 +48,12 @@ struct DepthPlanes {
         round_up(step);
         step = -step;
     }
-    /// Depth at pixels (first, row).
-    Lanes at(Lanes first, double row) const {
-        Lanes d = depth + slope_y * (row - y) + slope_x * (first - x);
+    /// Find the depths `d` at pixels (first, row).
+    void at(const Lanes& first, double row, Lanes& d) const {
+        d = depth + slope_y * (row - y) + slope_x * (first - x);
         d = d > lowest ? d : lowest;
         d = d < highest ? d : highest;
         round(d);
-        return d;
     }
 };
 

@@ -1,4 +1,4 @@
-// Four doubles side by side, as vectors of the compiler.
+// Four doubles side by side, as vectors of the compiler. Functions take them by reference: to hand over values needs AVX.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +27,6 @@ inline uint32_t bits(IntLanes is_true) {
     return static_cast<uint32_t>(bit[0] | bit[1] | bit[2] | bit[3]);
 }
 
-inline Lanes to_double(IntLanes v) { return __builtin_convertvector(v, Lanes); }
-inline Lanes to_double(FloatLanes v) { return __builtin_convertvector(v, Lanes); }
-inline IntLanes to_int(Lanes v) { return __builtin_convertvector(v, IntLanes); }
+inline IntLanes to_int(const Lanes& v) { return __builtin_convertvector(v, IntLanes); }
 
 }  // namespace lumel

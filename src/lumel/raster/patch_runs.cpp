@@ -23,7 +23,7 @@ void DividedTriangle::add_family(size_t k, const SnappedVertex& a, const Snapped
 }
 
 /// Count the lines of each family between the first corner and pixel `x` of a row.
-IntLanes DividedTriangle::lines_before(double x, Lanes start) const {
+IntLanes DividedTriangle::lines_before(double x, const Lanes& start) const {
     // Lines met downward count from the other side: one that the pixel is on is not before it.
     const Lanes lines = (x * denominator_ - start) / between_;
     Lanes up = -lines, down = lines;

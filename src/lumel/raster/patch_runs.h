@@ -39,7 +39,7 @@ private:
         void find(double first, double further, double denominator, uint32_t end, uint32_t* columns);
     };
     void add_family(size_t k, const SnappedVertex& a, const SnappedVertex& last, const SnappedVertex& from, const SnappedVertex& to);
-    IntLanes lines_before(double x, Lanes start) const;
+    IntLanes lines_before(double x, const Lanes& start) const;
 
     uint32_t n_, first_patch_;
     size_t steepest_ = 0;  // of the families

@@ -11,7 +11,7 @@ ScanTriangles::Edges::Edges(const VertexLanes& a, const VertexLanes& b) {
     growth = dx * kSubpixels, denominator = dy * kSubpixels;
 }
 
-ScanTriangles::Four::Four(VertexLanes a, VertexLanes b, VertexLanes c)
+ScanTriangles::Four::Four(const VertexLanes& a, const VertexLanes& b, const VertexLanes& c)
     : long_edge(a, c), lower(a, b), upper(b, c), plane(a, b, c), middle(b.y * (1.0 / kSubpixels)), end(c.y * (1.0 / kSubpixels)) {
     round_up(middle), round_up(end);
     bends_left = (b.x - a.x) * (c.y - a.y) < (b.y - a.y) * (c.x - a.x);
@@ -42,7 +42,7 @@ void ScanTriangles::begin(const std::array<ScannedTriangle, kLanes>& triangles, 
 }
 
 /// Find what a row covers of the triangles. Every statement is one for all lanes.
-inline ScanTriangles::FourSpans ScanTriangles::Four::cross(double row) const {
+inline void ScanTriangles::Four::cross(double row, FourSpans& spans) const {
     // Each triangle has one edge on one side, and two that follow each other on the other.
     const auto is_lower = row < middle;
     Lanes one = (long_edge.start + row * long_edge.growth) / long_edge.denominator;
@@ -52,18 +52,18 @@ inline ScanTriangles::FourSpans ScanTriangles::Four::cross(double row) const {
     const Lanes first = bends_left ? two : one, after = row < end ? (bends_left ? one : two) : first;
 
     // Depths of the first pixels, and what they grow by; single pixels may have any slope, so they get none.
-    FourSpans spans;
     spans.step = after - first > 1 ? plane.step : Lanes{};
-    spans.depth_at_0 = plane.at(first, row) - spans.step * first;
+    plane.at(first, row, spans.depth_at_0);
+    spans.depth_at_0 -= spans.step * first;
     spans.begin = to_int(first), spans.end = to_int(after);
-    return spans;
 }
 
 void ScanTriangles::scan(int32_t row, RowSweep& sweep) {
     sweep.begin_row(live_.size() * kLanes);
     for (size_t i = 0; i < live_.size();) {
         const Four& four = fours_[live_[i]];
-        const FourSpans spans = four.cross(row);
+        FourSpans spans;
+        four.cross(row, spans);
         for (uint32_t left = bits(spans.begin < spans.end); left != 0; left &= left - 1) {
             const auto k = static_cast<uint32_t>(std::countr_zero(left));
             const auto begin = static_cast<uint32_t>(spans.begin[k]), end = static_cast<uint32_t>(spans.end[k]);

@@ -53,8 +53,8 @@ private:
 
         Four() = default;
         /// Corners are in the order of rows.
-        Four(VertexLanes a, VertexLanes b, VertexLanes c);
-        FourSpans cross(double row) const;
+        Four(const VertexLanes& a, const VertexLanes& b, const VertexLanes& c);
+        void cross(double row, FourSpans& spans) const;
     };
     void cut(const DividedTriangle& divided, int32_t row, uint32_t begin, uint32_t end, RowSweep& sweep);
 

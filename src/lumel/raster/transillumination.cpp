@@ -79,7 +79,8 @@ void Transillumination::collect(std::span<Rgb> received, std::span<uint32_t> pix
             // What nothing received leaves the scene.
             const uint32_t last = sweep_.pixels_as_last(patch), covered = PatchLight::count(light.received_along) + last;
             const uint32_t as_first = covered - PatchLight::count(light.received_against);
-            escaped += to_double(light.sent_along * static_cast<float>(last) + light.sent_against * static_cast<float>(as_first));
+            const PatchLight::Flow unseen = light.sent_along * static_cast<float>(last) + light.sent_against * static_cast<float>(as_first);
+            escaped += __builtin_convertvector(unseen, Lanes);
             pixels[patch] += covered;
             counters.fragments += covered;
         }
