@@ -8,6 +8,28 @@ struct Point {
     int64_t x = 0, y = 0;
 };
 
+/// Depth over a triangle, at pixel (x, y), of its corners in whatever order.
+struct Plane {
+    SnappedVertex a;
+    double slope_x = 0, slope_y = 0, lowest = 0, highest = 0;
+
+    explicit Plane(std::array<SnappedVertex, 3> v) {
+        std::sort(v.begin(), v.end(), [](const SnappedVertex& l, const SnappedVertex& r) {
+            return l.y != r.y ? l.y < r.y : l.x != r.x ? l.x < r.x : l.depth < r.depth;
+        });
+        constexpr double kPixel = kSubpixels;
+        a = v[0];
+        const double bx = (v[1].x - a.x) / kPixel, by = (v[1].y - a.y) / kPixel, cx = (v[2].x - a.x) / kPixel, cy = (v[2].y - a.y) / kPixel;
+        const double bd = v[1].depth - a.depth, cd = v[2].depth - a.depth, area = bx * cy - by * cx;
+        slope_x = (bd * cy - cd * by) / area, slope_y = (cd * bx - bd * cx) / area;
+        lowest = std::min({v[0].depth, v[1].depth, v[2].depth}), highest = std::max({v[0].depth, v[1].depth, v[2].depth});
+    }
+    double operator()(double x, double y) const {
+        const double d = a.depth + slope_y * (y - a.y / double{kSubpixels}) + slope_x * (x - a.x / double{kSubpixels});
+        return std::nearbyint(std::clamp(d, lowest, highest));
+    }
+};
+
 /// A patch in subpixels times divisions, its corners in the order of a left turn.
 struct Outline {
     int64_t pixel = 0;
@@ -35,6 +57,10 @@ struct Outline {
 
 }  // namespace
 
+bool patch_covers(const std::array<SnappedVertex, 3>& triangle, uint32_t n, const PatchPlace& place, int64_t x, int64_t y) {
+    return Outline(triangle, turn(triangle[0], triangle[1], triangle[2]) > 0, n, place).covers(x, y);
+}
+
 std::vector<std::vector<Fragment>> fragment_lists(const Scene& scene, const Window& window) {
     std::vector<SnappedVertex> vertices;
     project(scene, window, vertices);
@@ -45,19 +71,18 @@ std::vector<std::vector<Fragment>> fragment_lists(const Scene& scene, const Wind
         const std::array v{vertices[i[0]], vertices[i[1]], vertices[i[2]]};
         const int64_t twice_area = turn(v[0], v[1], v[2]);
         if (twice_area == 0) continue;
-        const DepthPlane plane(v[0], v[1], v[2], twice_area);
-        const Outline outline(v, twice_area > 0, scene.divisions(t), scene.place(patch));
+        const Plane plane(v);
+        const Outline whole(v, twice_area > 0, 1, {}), outline(v, twice_area > 0, scene.divisions(t), scene.place(patch));
         const auto [x0, x1] = std::minmax({outline.corners[0].x, outline.corners[1].x, outline.corners[2].x});
         const auto [y0, y1] = std::minmax({outline.corners[0].y, outline.corners[1].y, outline.corners[2].y});
         for (int64_t y = y0 / outline.pixel; y * outline.pixel <= y1; ++y) {
             std::vector<int32_t> row;
             for (int64_t x = x0 / outline.pixel; x * outline.pixel <= x1; ++x)
                 if (outline.covers(x, y)) row.push_back(static_cast<int32_t>(x));
-            // The depth of the first pixel of a row, and a whole step to each further one.
-            const auto depth = [&](int32_t x) {
-                const double d = plane.depth + plane.slope_y * (static_cast<double>(y) - plane.y) + plane.slope_x * (row[0] - plane.x);
-                return std::nearbyint(std::clamp(d, plane.lowest, plane.highest)) + (x - row[0]) * plane.step;
-            };
+            // The depth of the first pixel of the triangle in the row, and a whole step to each further one.
+            int32_t first = row.empty() ? 0 : row[0];
+            while (first > 0 && whole.covers(first - 1, y)) --first;
+            const auto depth = [&](int32_t x) { return plane(first, static_cast<double>(y)) + (x - first) * std::floor(plane.slope_x); };
             for (int32_t x : row)
                 lines[static_cast<size_t>(y) * window.resolution + static_cast<size_t>(x)].push_back({depth(x), patch, twice_area > 0});
         }

@@ -11,6 +11,10 @@ struct Fragment {
     bool front_along = false;  ///< the front looks along the direction
 };
 
+/// Is the centre of pixel (x, y) in a patch of a snapped triangle with n x n of them? One that lies exactly on an edge is taken as if it
+/// were moved a little to the right, and far less up.
+bool patch_covers(const std::array<SnappedVertex, 3>& triangle, uint32_t n, const PatchPlace& place, int64_t x, int64_t y);
+
 /// What each pixel of the window meets, by depth; pixel (x, y) is at y * resolution + x.
 std::vector<std::vector<Fragment>> fragment_lists(const Scene& scene, const Window& window);
 

@@ -88,6 +88,10 @@ TEST(Raster, random_soups_equal_the_plain_form) {
         expect_as_in_reference(soup(seed).build(seed % 3 == 0 ? 1 : 150), seed % 2 ? 24 : Window::kLeastResolution + seed % 16, 2, seed);
 }
 
+TEST(Raster, patches_smaller_than_pixels_equal_the_plain_form) {
+    for (uint64_t seed = 0; seed < 20 && !HasFailure(); ++seed) expect_as_in_reference(soup(seed).build(20000), 16, 2, seed);
+}
+
 TEST(Raster, the_same_sweep_gives_the_same_bytes_whatever_was_swept_before) {
     const Scene scene = two_spheres().build(4000);
     const RasterScene raster(scene);

@@ -4,13 +4,14 @@
 #include <cstdint>
 
 #include "lumel/math/vec.h"
+#include "lumel/raster/lanes.h"
 
 namespace lumel {
 
 /// Light along the direction of the window and against it.
 struct alignas(64) PatchLight {
     /// Red, green, blue and a count: what is sent counts 1, so that what is received counts the pixels that it came over.
-    using Flow = float __attribute__((vector_size(16)));
+    using Flow = FloatLanes;
 
     Flow sent_along{}, sent_against{};          ///< by the side that faces along the direction, by the one that faces against it
     Flow received_along{}, received_against{};  ///< the same
@@ -18,7 +19,7 @@ struct alignas(64) PatchLight {
     PatchLight() = default;
     PatchLight(Rgb along, Rgb against) : sent_along{along.x, along.y, along.z, 1}, sent_against{against.x, against.y, against.z, 1} {}
     static Rgb colour(Flow flow) { return {flow[0], flow[1], flow[2]}; }
-    static float count(Flow flow) { return flow[3]; }
+    static uint32_t count(Flow flow) { return static_cast<uint32_t>(static_cast<int32_t>(flow[3])); }
 };
 
 /// Two neighbours see each other over `pixels` pixels: `far` lies behind `near`.

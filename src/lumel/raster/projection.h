@@ -1,6 +1,7 @@
 // The vertices of a scene in a window: snapped to a grid finer than the pixels, so that all tests of coverage are exact.
 #pragma once
 
+#include "lumel/raster/lanes.h"
 #include "lumel/raster/window.h"
 
 namespace lumel {
@@ -8,8 +9,8 @@ namespace lumel {
 inline constexpr int kSubpixelBits = 8;
 /// Places along one edge of a pixel where a vertex can be.
 inline constexpr int64_t kSubpixels = int64_t{1} << kSubpixelBits;
-/// Depths are whole numbers from -kDepthRange to kDepthRange over the diameter of the scene, and linear along each row of a patch without
-/// rounding: two pixels of a row grow by 2 kDepthRange at most, the farthest is Window::kMostResolution away, and 53 bits hold all.
+/// Depths are whole numbers from -kDepthRange to kDepthRange over the diameter of the scene, and linear along each row of a triangle
+/// without rounding: two pixels of a row grow by 2 kDepthRange at most, the farthest is Window::kMostResolution away, and 53 bits hold all.
 inline constexpr double kDepthRange = 0x1p39;
 
 /// A vertex in the window: x and y in subpixels, the depth in its own units.
@@ -26,17 +27,14 @@ constexpr int64_t turn(const SnappedVertex& a, const SnappedVertex& b, const Sna
     return int64_t{b.x - a.x} * (c.y - a.y) - int64_t{b.y - a.y} * (c.x - a.x);
 }
 
-/// Depth over the plane of a triangle: at pixel (x, y) it is depth + slope_y (y - plane.y) + slope_x (x - plane.x), kept within the depths
-/// of the corners and rounded.
-struct DepthPlane {
-    double x = 0, y = 0, depth = 0;  ///< one of the corners, in pixels
-    double slope_x = 0, slope_y = 0;
-    double lowest = 0, highest = 0;
-    double step = 0;  ///< from pixel to pixel along a row, a whole number
-
-    DepthPlane() = default;
-    /// `twice_area` is turn(a, b, c) and not 0. The order of the vertices does not matter.
-    DepthPlane(SnappedVertex a, SnappedVertex b, SnappedVertex c, int64_t twice_area);
-};
+/// The first row of a triangle, or the highest number if it has no pixel for certain: many of the smallest lie between two rows or columns.
+inline uint32_t first_row(const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c) {
+    const auto pixel = [](const SnappedVertex& v) {
+        return (IntLanes{v.x, v.y, 0, 0} + static_cast<int32_t>(kSubpixels - 1)) >> kSubpixelBits;
+    };
+    const IntLanes pa = pixel(a), pb = pixel(b), pc = pixel(c), ab = pa < pb ? pa : pb, least = ab < pc ? ab : pc;
+    const IntLanes has_none = (pa == pb) & (pb == pc);
+    return static_cast<uint32_t>(least[1] | has_none[0] | has_none[1]);
+}
 
 }  // namespace lumel

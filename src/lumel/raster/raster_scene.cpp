@@ -45,9 +45,9 @@ std::vector<Edge> sorted_edges(const Scene& scene) {
 
 }  // namespace
 
-RasterScene::RasterScene(const Scene& scene) : scene_(&scene), closed_surface_(scene.triangles()) {
+RasterScene::RasterScene(const Scene& scene) : scene_(&scene), triangles_(scene.triangles()) {
     // Triangles that share an edge are of one surface: join them under the least of their numbers.
-    std::vector<uint32_t>& parent = closed_surface_;
+    std::vector<uint32_t> parent(scene.triangles());
     std::iota(parent.begin(), parent.end(), 0u);
     const auto root = [&](uint32_t t) {
         while (parent[t] != t) t = parent[t] = parent[parent[t]];
@@ -69,8 +69,8 @@ RasterScene::RasterScene(const Scene& scene) : scene_(&scene), closed_surface_(s
     for (uint32_t t = 0; t < scene.triangles(); ++t) parent[t] = root(t);
     std::vector<bool> is_open(scene.triangles());
     for (uint32_t t : open) is_open[parent[t]] = true;
-    for (uint32_t& surface : closed_surface_)
-        if (is_open[surface]) surface = kOpen;
+    for (uint32_t t = 0; t < scene.triangles(); ++t)
+        triangles_[t] = {scene.indices()[t], scene.divisions(t), scene.first_patch(t), is_open[parent[t]] ? kOpen : parent[t]};
 }
 
 }  // namespace lumel

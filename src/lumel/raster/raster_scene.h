@@ -5,6 +5,13 @@
 
 namespace lumel {
 
+/// What sweeps ask of a triangle, together.
+struct RasterTriangle {
+    Indices corners{};
+    uint32_t n = 1, first_patch = 0;  ///< it has n x n patches
+    uint32_t closed_surface = 0;      ///< number of it, or RasterScene::kOpen
+};
+
 /// A scene with its closed surfaces: connected triangles of which every edge is met as often one way as the other. A line that crosses a
 /// closed surface enters it as often as it leaves it, in turn, so that gaps show.
 class RasterScene {
@@ -16,11 +23,12 @@ public:
 
     const Scene& scene() const { return *scene_; }
     /// Number of the closed surface of a triangle, or kOpen.
-    uint32_t closed_surface(uint32_t triangle) const { return closed_surface_[triangle]; }
+    uint32_t closed_surface(uint32_t triangle) const { return triangles_[triangle].closed_surface; }
+    const std::vector<RasterTriangle>& triangles() const { return triangles_; }
 
 private:
     const Scene* scene_;
-    std::vector<uint32_t> closed_surface_;
+    std::vector<RasterTriangle> triangles_;
 };
 
 }  // namespace lumel

@@ -8,34 +8,65 @@ namespace lumel {
 void RowSweep::resize(uint32_t width, uint32_t patches) {
     events_.assign(width / 64 + 1, 0), crossings_.assign(width / 64 + 1, 0);
     first_begin_.assign(width + 1, kNone), first_end_.assign(width + 1, kNone);
-    lights_.resize(size_t{patches} + 2);
-
-    // Nothing sends nothing. It counts the lines: what it receives from behind is sent by the last patch of each, if there is one.
-    lights_[patches] = lights_[patches + 1] = {};
-    lights_[patches + 1].sent_against = PatchLight::Flow{0, 0, 0, 1};
-    spans_.resize(std::max<size_t>(spans_.size(), 2));
+    lights_.resize(patches), as_last_.resize(patches);
+    runs_.resize(std::max<size_t>(runs_.size(), 1));
+    runs_[kNothing] = {};
     constexpr double kFar = std::numeric_limits<double>::infinity();
-    spans_[kFront] = {.depth_at_0 = -kFar, .end = kNone, .patch = patches, .parity = RowSpan::kOpenParity, .farther = kBehind};
-    spans_[kBehind] = {.depth_at_0 = kFar, .end = kNone, .patch = patches + 1, .parity = RowSpan::kOpenParity};
+    front_ = {.depth_at_0 = -kFar, .end = kNone, .parity = RowSpan::kOpenParity, .run_to_farther = kNothing};
+    behind_ = {.depth_at_0 = kFar, .end = kNone, .parity = RowSpan::kOpenParity, .run_to_nearer = kNothing};
 }
 
 /// Two neighbours have seen each other up to before pixel `x`.
-inline void RowSweep::exchange_until(uint32_t x, const RowSpan& near, const RowSpan& far) {
-    const uint32_t pixels = x - near.since;
-    exchange(lights_[near.patch], lights_[far.patch], pixels);
-    if (unturned_ == 0 || !near.faces_like(far)) return;
-    const Rgb both = PatchLight::colour(lights_[near.patch].sent_along + lights_[far.patch].sent_against);
-    counters_.mispaired += to_double(both) * static_cast<double>(pixels);
+inline void RowSweep::exchange_until(uint32_t x, RowSpan& near, RowSpan& far) {
+    const PatchRun &a = runs_[near.run_to_farther], &b = runs_[far.run_to_nearer];
+    // Most often each is one patch all the way.
+    if (x <= a.end && x <= b.end && unturned_ == 0)
+        exchange(lights_[a.patch], lights_[b.patch], x - near.since);
+    else
+        exchange_runs(x, near, far);
+}
+
+/// The same, patch by patch.
+void RowSweep::exchange_runs(uint32_t x, RowSpan& near, RowSpan& far) {
+    uint32_t from = near.since;
+    if (from == x) return;
+    if (&near == &front_) {
+        if (&far != &behind_) counters_.lines += x - from;
+        return;
+    }
+    const PatchRun *a = &runs_[near.run_to_farther], *b = &runs_[far.run_to_nearer];
+    while (a->end <= from) ++a;
+    if (&far == &behind_) {
+        for (; a->end < x; from = a++->end) as_last_[a->patch] += a->end - from;
+        as_last_[a->patch] += x - from;
+        near.run_to_farther = static_cast<uint32_t>(a - runs_.data());
+        return;
+    }
+    while (b->end <= from) ++b;
+    const bool face_alike = near.faces_like(far);
+    const auto see = [&](uint32_t until) {
+        exchange(lights_[a->patch], lights_[b->patch], until - from);
+        if (!face_alike) return;
+        const Rgb both = PatchLight::colour(lights_[a->patch].sent_along + lights_[b->patch].sent_against);
+        counters_.mispaired += to_double(both) * static_cast<double>(until - from);
+    };
+    // Which run ends first is hard to foretell, so do without branches.
+    for (uint32_t end; (end = std::min(a->end, b->end)) < x; from = end) {
+        see(end);
+        a += a->end == end, b += b->end == end;
+    }
+    see(x);
+    near.run_to_farther = static_cast<uint32_t>(a - runs_.data()), far.run_to_nearer = static_cast<uint32_t>(b - runs_.data());
 }
 
 inline void RowSweep::part(RowSpan& near, uint32_t x) {
-    const RowSpan& far = spans_[near.farther];
+    RowSpan& far = *near.farther;
     exchange_until(x, near, far);
     unturned_ -= near.faces_like(far);
 }
 
 inline void RowSweep::meet(RowSpan& near, uint32_t x) {
-    const RowSpan& far = spans_[near.farther];
+    const RowSpan& far = *near.farther;
     near.since = x;
     unturned_ += near.faces_like(far);
     check_order(near, far, x);
@@ -62,13 +93,13 @@ void RowSweep::expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t
 }
 
 /// Let a span take the place of another where it fits; most often they are of neighbours in a mesh.
-inline bool RowSweep::replace(uint32_t ending, uint32_t beginning, uint32_t x) {
-    RowSpan &old = spans_[ending], &span = spans_[beginning], &near = spans_[old.nearer], &far = spans_[old.farther];
+inline bool RowSweep::replace(RowSpan& old, RowSpan& span, uint32_t x) {
+    RowSpan &near = *old.nearer, &far = *old.farther;
     const double depth = span.depth(x);
     if (near.end == x || far.end == x || !(near.depth(x) < depth && depth < far.depth(x))) return false;
     exchange_until(x, near, old), exchange_until(x, old, far);
-    span.nearer = old.nearer, span.farther = old.farther;
-    near.farther = far.nearer = last_ = beginning;
+    span.nearer = &near, span.farther = &far;
+    near.farther = far.nearer = last_ = &span;
     near.since = span.since = x;
     check_order(near, span, x), check_order(span, far, x);
     if (span.parity != old.parity) {
@@ -78,50 +109,49 @@ inline bool RowSweep::replace(uint32_t ending, uint32_t beginning, uint32_t x) {
     return true;
 }
 
-void RowSweep::remove(uint32_t ending, uint32_t x) {
-    RowSpan &old = spans_[ending], &near = spans_[old.nearer];
+void RowSweep::remove(RowSpan& old, uint32_t x) {
+    RowSpan& near = *old.nearer;
     part(near, x), part(old, x);
-    near.farther = old.farther, spans_[old.farther].nearer = last_ = old.nearer;
+    near.farther = old.farther, old.farther->nearer = last_ = &near;
     meet(near, x);
     --depth_, balance_ -= static_cast<int64_t>(old.parity & 3) - 1;
 }
 
-void RowSweep::insert(uint32_t beginning, uint32_t x) {
+void RowSweep::insert(RowSpan& span, uint32_t x) {
     // Look for its place from that of the last change on.
-    RowSpan& span = spans_[beginning];
-    uint32_t at = last_;
-    while (span.is_before(spans_[at], x)) at = spans_[at].nearer;
-    while (spans_[spans_[at].farther].is_before(span, x)) at = spans_[at].farther;
-    RowSpan& near = spans_[at];
-    part(near, x);
-    span.nearer = at, span.farther = near.farther;
-    near.farther = spans_[span.farther].nearer = last_ = beginning;
-    meet(near, x), meet(span, x);
+    RowSpan* near = last_;
+    while (span.is_before(*near, x)) near = near->nearer;
+    while (near->farther->is_before(span, x)) near = near->farther;
+    part(*near, x);
+    span.nearer = near, span.farther = near->farther;
+    near->farther = span.farther->nearer = last_ = &span;
+    meet(*near, x), meet(span, x);
     counters_.most_depth = std::max(counters_.most_depth, ++depth_);
     balance_ += static_cast<int64_t>(span.parity & 3) - 1;
 }
 
 void RowSweep::sort(uint32_t x) {
     order_.clear();
-    for (uint32_t i = spans_[kFront].farther; i != kBehind; i = spans_[i].farther) order_.push_back(i);
-    for (uint32_t i = kFront; i != kBehind; i = spans_[i].farther) part(spans_[i], x);
-    std::sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) { return spans_[a].is_before(spans_[b], x); });
-    uint32_t near = kFront;
-    for (uint32_t i : order_) spans_[near].farther = i, spans_[i].nearer = near, near = i;
-    spans_[near].farther = kBehind, spans_[kBehind].nearer = near;
-    for (uint32_t i = kFront; i != kBehind; i = spans_[i].farther) meet(spans_[i], x);
+    for (RowSpan* span = front_.farther; span != &behind_; span = span->farther) order_.push_back(span);
+    for (RowSpan* span = &front_; span != &behind_; span = span->farther) part(*span, x);
+    std::sort(order_.begin(), order_.end(), [&](const RowSpan* a, const RowSpan* b) { return a->is_before(*b, x); });
+    RowSpan* near = &front_;
+    for (RowSpan* span : order_) near->farther = span, span->nearer = near, near = span;
+    near->farther = &behind_, behind_.nearer = near;
+    for (RowSpan* span = &front_; span != &behind_; span = span->farther) meet(*span, x);
 }
 
 inline void RowSweep::change(uint32_t x, uint32_t ending, uint32_t beginning) {
-    while (ending != kNone && beginning != kNone && replace(ending, beginning, x))
-        ending = spans_[ending].also_ends, beginning = spans_[beginning].also_begins;
-    for (; ending != kNone; ending = spans_[ending].also_ends) remove(ending, x);
-    for (; beginning != kNone; beginning = spans_[beginning].also_begins) insert(beginning, x);
+    RowSpan* const spans = spans_.data();
+    while (ending != kNone && beginning != kNone && replace(spans[ending], spans[beginning], x))
+        ending = spans[ending].also_ends, beginning = spans[beginning].also_begins;
+    for (; ending != kNone; ending = spans[ending].also_ends) remove(spans[ending], x);
+    for (; beginning != kNone; beginning = spans[beginning].also_begins) insert(spans[beginning], x);
 }
 
 void RowSweep::run() {
-    spans_[kFront].since = 0;
-    last_ = kFront;
+    front_.since = 0, front_.farther = &behind_, behind_.nearer = &front_;
+    last_ = &front_;
     uint32_t before = 0;
     for (size_t word = 0; word < events_.size(); ++word) {
         while (const uint64_t events = events_[word]) {
@@ -134,20 +164,11 @@ void RowSweep::run() {
             events_[word] &= ~bit, crossings_[word] &= ~bit;
         }
     }
-    // What nothing received leaves the scene.
-    PatchLight &front = lights_[lights_.size() - 2], &behind = lights_.back();
-    counters_.escaped += PatchLight::colour(front.received_along);
-    counters_.escaped += PatchLight::colour(behind.received_against);
-    counters_.lines += static_cast<uint64_t>(PatchLight::count(behind.received_against));
-    front.received_along = behind.received_against = PatchLight::Flow{};
 }
 
 void RowSweep::count(SweepCounters& counters) {
-    counters_.fragments = fragments_;
-    counters_.pairs = counters_.fragments - counters_.lines;
     counters += counters_;
     counters_ = {};
-    fragments_ = 0;
 }
 
 }  // namespace lumel

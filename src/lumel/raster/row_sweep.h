@@ -1,4 +1,4 @@
-// One row of the window: which patches lie one behind the other, and the light that neighbours exchange.
+// One row of the window: which triangles lie one behind the other, and the light that neighbours exchange.
 #pragma once
 
 #include <cstdint>
@@ -6,29 +6,31 @@
 #include <vector>
 
 #include "lumel/raster/patch_light.h"
+#include "lumel/raster/patch_runs.h"
 #include "lumel/raster/sweep_counters.h"
 
 namespace lumel {
 
-/// The part of a row that a patch covers, and its place on the lines there.
+/// The part of a row that a triangle covers, and its place on the lines there.
 struct alignas(64) RowSpan {
     double depth_at_0 = 0, step = 0;  ///< whole numbers: the depth at pixel x is depth_at_0 + x step
+    RowSpan *nearer = nullptr, *farther = nullptr;  ///< neighbours on the line
     uint32_t end = 0;                 ///< the pixel after the last
-    uint32_t patch = 0;
+    uint32_t triangle = 0;
     uint32_t parity = 0;                       ///< see kOpenParity
     uint32_t also_begins = 0, also_ends = 0;   ///< another span that begins or ends at the same pixel
-    uint32_t nearer = 0, farther = 0;          ///< neighbours on the line
     uint32_t since = 0;                        ///< pixel from which `farther` is the neighbour
+    uint32_t run_to_nearer = 0, run_to_farther = 0;  ///< the patches that have not seen the neighbours yet
 
     double depth(uint32_t x) const { return depth_at_0 + step * static_cast<int32_t>(x); }
-    /// Equal depths are told apart by the number of the patch.
+    /// Equal depths are told apart by the number of the triangle.
     bool is_before(const RowSpan& other, uint32_t x) const {
         const double a = depth(x), b = other.depth(x);
-        return a != b ? a < b : patch < other.patch;
+        return a != b ? a < b : triangle < other.triangle;
     }
 
-    /// How a patch counts in the parity of lines: even for closed surfaces, equal for those of one that face the same way. The two lowest
-    /// bits sum to the number of patches on a line where the fronts of closed surfaces are as many as the backs.
+    /// How a triangle counts in the parity of lines: even for closed surfaces, equal for those of one that face the same way. The two
+    /// lowest bits sum to the number of triangles on a line where the fronts of closed surfaces are as many as the backs.
     static constexpr uint32_t kOpenParity = 1;
     static uint32_t closed_parity(uint32_t surface, bool front_along) { return surface * 4 + (front_along ? 2 : 0); }
     /// Are they of one closed surface and face the same way?
@@ -42,34 +44,50 @@ class RowSweep {
 public:
     /// Be ready for windows of `width` pixels a row, and the light of `patches` patches.
     void resize(uint32_t width, uint32_t patches);
-    /// Light of a patch; to be set before the first row, and read after the last.
-    PatchLight& light(uint32_t patch) { return lights_[patch]; }
+    /// Have a patch send light, from its first row on.
+    void begin_patch(uint32_t patch, const PatchLight& light) { lights_[patch] = light, as_last_[patch] = 0; }
+    /// What a patch has sent and received.
+    const PatchLight& light(uint32_t patch) const { return lights_[patch]; }
+    /// Pixels at which nothing lies behind a patch.
+    uint32_t pixels_as_last(uint32_t patch) const { return as_last_[patch]; }
 
     /// Be ready for a row of at most `spans` spans.
     void begin_row(size_t spans) {
-        if (spans_.size() < spans + 2) spans_.resize(spans + 2);
-        size_ = 2;
+        if (spans_.size() < spans) spans_.resize(spans);
+        size_ = 0;
+        runs_size_ = kNothing + 1;
     }
-    /// Take the span from pixel `begin` to before `end`.
-    void add(uint32_t begin, uint32_t end, double depth_at_0, double step, uint32_t patch, uint32_t parity) {
+    /// Take the span from pixel `begin` to before `end`. Its runs follow.
+    void add(uint32_t begin, uint32_t end, double depth_at_0, double step, uint32_t triangle, uint32_t parity) {
         RowSpan& span = spans_[size_];
         span.depth_at_0 = depth_at_0, span.step = step;
-        span.end = end, span.patch = patch, span.parity = parity;
+        span.end = end, span.triangle = triangle, span.parity = parity;
         span.also_begins = chain(first_begin_, begin), span.also_ends = chain(first_end_, end);
-        fragments_ += end - begin;
+        span.run_to_nearer = span.run_to_farther = runs_size_;
         ++size_;
     }
+    /// The one run of a span that is of one patch.
+    void add_run(PatchRun run) {
+        if (runs_.size() <= runs_size_) runs_.resize(2 * (runs_size_ + size_t{1}));
+        runs_[runs_size_++] = run;
+    }
+    /// Room for at most `count` runs of a span, in their order; add_runs tells how many there are.
+    PatchRun* room_for_runs(size_t count) {
+        if (runs_.size() < runs_size_ + count) runs_.resize(2 * (runs_size_ + count));
+        return &runs_[runs_size_];
+    }
+    void add_runs(uint32_t count) { runs_size_ += count; }
     /// Exchange light along the row.
     void run();
     /// Add to `counters` what was met since the last call.
     void count(SweepCounters& counters);
     size_t bytes() const {
-        return lights_.capacity() * sizeof(PatchLight) + spans_.capacity() * sizeof(RowSpan) +
-               first_begin_.capacity() * 2 * sizeof(uint32_t);
+        return lights_.capacity() * (sizeof(PatchLight) + sizeof(uint32_t)) + runs_.capacity() * sizeof(PatchRun) +
+               spans_.capacity() * sizeof(RowSpan) + first_begin_.capacity() * 2 * sizeof(uint32_t);
     }
 
 private:
-    static constexpr uint32_t kFront = 0, kBehind = 1;  // spans before and behind all others: those who see them see nothing
+    static constexpr uint32_t kNothing = 0;  // the run of both: before every pixel, so that nothing is exchanged
     static constexpr uint32_t kNone = 0xffffffffu;
 
     /// Put the new span at the head of the list of pixel `x`; gives the one that was there.
@@ -78,27 +96,31 @@ private:
         return std::exchange(first[x], size_);
     }
     void change(uint32_t x, uint32_t ending, uint32_t beginning);
-    bool replace(uint32_t ending, uint32_t beginning, uint32_t x);
-    void remove(uint32_t ending, uint32_t x);
-    void insert(uint32_t beginning, uint32_t x);
+    bool replace(RowSpan& old, RowSpan& span, uint32_t x);
+    void remove(RowSpan& old, uint32_t x);
+    void insert(RowSpan& span, uint32_t x);
     void sort(uint32_t x);
-    void exchange_until(uint32_t x, const RowSpan& near, const RowSpan& far);
+    void exchange_until(uint32_t x, RowSpan& near, RowSpan& far);
+    void exchange_runs(uint32_t x, RowSpan& near, RowSpan& far);
     void part(RowSpan& near, uint32_t x);
     void meet(RowSpan& near, uint32_t x);
     void check_order(const RowSpan& near, const RowSpan& far, uint32_t x);
     void expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t x, uint32_t last);
 
-    std::vector<PatchLight> lights_;  // and those of kFront and kBehind
+    std::vector<PatchLight> lights_;
+    std::vector<uint32_t> as_last_;  // see pixels_as_last
     std::vector<uint64_t> events_, crossings_;  // one bit a pixel: something changes there; neighbours change places
     std::vector<uint32_t> first_begin_, first_end_;  // span that begins or ends at a pixel, or kNone
+    RowSpan front_, behind_;  // before and behind all others: those who see them see nothing
     std::vector<RowSpan> spans_;
-    std::vector<uint32_t> order_;
+    std::vector<PatchRun> runs_;
+    std::vector<RowSpan*> order_;
     uint32_t size_ = 0;  // of spans_, those in use
-    uint32_t last_ = 0;  // span of the line that was touched last
+    uint32_t runs_size_ = 0;  // of runs_
+    RowSpan* last_ = nullptr;  // of the line, touched last
 
     uint64_t depth_ = 0;
     int64_t balance_ = 0, unturned_ = 0;  // of the line: spans, fronts - backs of closed surfaces, neighbours that face alike
-    uint64_t fragments_ = 0;
     SweepCounters counters_;
 };
 

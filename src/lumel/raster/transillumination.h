@@ -2,14 +2,14 @@
 #pragma once
 
 #include "lumel/raster/raster_scene.h"
-#include "lumel/raster/scan_patches.h"
+#include "lumel/raster/scan_triangles.h"
 
 namespace lumel {
 
 /// Rasterises the scene and exchanges light along its lines. Coverage is exact: a pixel on the shared edge of two patches belongs to one of
 /// them, also where the triangles are divided unequally; for that their vertices must be in the same places. Where a vertex lies on the
 /// edge of another triangle, a gap or overlap of half a subpixel is possible, as it is for rays. Faces seen edge-on, needles, patches that
-/// coincide or cross, and open surfaces are all right. Equal depths are told apart by the number of the patch. A sheet thinner than a
+/// coincide or cross, and open surfaces are all right. Equal depths are told apart by the number of the triangle. A sheet thinner than a
 /// subpixel or two may fold over itself when its corners are snapped; its lines then cross it three times, in turn.
 ///
 /// Holds scratch memory, which grows with the patches and with the spans of one row: one object a thread.
@@ -33,21 +33,19 @@ public:
 
 private:
     void prepare(const Window& window);
-    void enqueue(uint32_t triangle, const std::array<SnappedVertex, 3>& corners);
-    void begin_patches(uint32_t row, std::span<const Rgb> sent);
-    void collect(std::span<Rgb> received, std::span<uint32_t> pixels);
-    std::array<SnappedVertex, 3> corners(uint32_t triangle) const {
-        const auto& [a, b, c] = scene_->scene().indices()[triangle];
+    void begin_triangles(uint32_t row, std::span<const Rgb> sent);
+    void collect(std::span<Rgb> received, std::span<uint32_t> pixels, SweepCounters& counters);
+    std::array<SnappedVertex, 3> corners(const RasterTriangle& triangle) const {
+        const auto& [a, b, c] = triangle.corners;
         return {vertices_[a], vertices_[b], vertices_[c]};
     }
 
     const RasterScene* scene_;
     std::vector<SnappedVertex> vertices_;
-    std::vector<int64_t> turns_;  // of each triangle
-    std::vector<uint32_t> first_row_;  // of each patch, or the number of rows where it has none
-    std::vector<uint32_t> first_of_row_, by_row_;  // patches in the order of their first rows, and where those of a row begin
-    std::vector<int32_t> lattice_rows_;
-    ScanPatches active_;
+    std::vector<uint32_t> first_row_;  // of each triangle, or the number of rows where it has none
+    std::vector<uint8_t> front_along_;  // of each triangle: its front looks along the direction
+    std::vector<uint32_t> first_of_row_, by_row_;  // triangles in the order of their first rows, and where those of a row begin
+    ScanTriangles active_;
     RowSweep sweep_;
 };
 
