@@ -69,7 +69,7 @@ class Schedule:
     draft: Callable[[], None] | None = None
     error: float = math.nan
     was_interrupted: bool = False
-    why: str = "as asked for"  # of the transport
+    why: str = ""  # the transport was chosen
     _drafted: float = field(default=0.0, init=False)  # seconds after the start
     _shooting_s: float = field(default=0.0, init=False)
     _step_speed: float = field(default=0.0, init=False)  # work a second of the last step

@@ -82,8 +82,9 @@ def test_transports_agree(shared: Path, name: str, other: str) -> None:
 
 @pytest.mark.parametrize("transport", TRANSPORTS)
 def test_first_shot_changes_the_noise_alone(transport: str) -> None:
-    scene = lumel.load("lumel:cornell")
-    assert_agree(scene, {"transport": transport, "first_shot": True}, {"transport": transport, "first_shot": False}, slack=0.01)
+    # Without the first shot the sharper light of the lamps is interpolated between patches too: they must be fine.
+    scene, fine = lumel.load("lumel:cornell"), {"transport": transport, "patches": 16_000}
+    assert_agree(scene, {**fine, "first_shot": True}, {**fine, "first_shot": False}, slack=0.01)
 
 
 def test_classical_agrees_with_weighted() -> None:

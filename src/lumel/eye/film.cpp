@@ -2,6 +2,16 @@
 
 namespace lumel {
 
+namespace {
+
+/// Add a correction, which takes no more light than there is.
+Rgb corrected(Rgb light, Rgb correction) {
+    const auto channel = [](float l, float c) { return std::max(l + c, std::min(l, 0.0f)); };
+    return {channel(light.x, correction.x), channel(light.y, correction.y), channel(light.z, correction.z)};
+}
+
+}  // namespace
+
 void Film::add(std::span<const PixelPass> pass) {
     for (size_t pixel = 0; pixel < pixels(); ++pixel) {
         const PixelPass& p = pass[pixel];
@@ -18,10 +28,8 @@ void Film::add(std::span<const PixelPass> pass) {
 
 EyeSample Film::mean(size_t pixel) const {
     EyeSample seen = sum[pixel] * (1 / std::max(1.0f, samples(pixel)));
-    // Irradiance is never negative, nor is what a diffuse surface sends.
-    const Rgb corrected = seen.indirect_diffuse + correction[pixel].value.diffuse;
-    seen.indirect_diffuse = {std::max(0.0f, corrected.x), std::max(0.0f, corrected.y), std::max(0.0f, corrected.z)};
-    seen.indirect_specular += correction[pixel].value.specular;
+    seen.indirect_diffuse = corrected(seen.indirect_diffuse, correction[pixel].value.diffuse);
+    seen.indirect_specular = corrected(seen.indirect_specular, correction[pixel].value.specular);
     seen.solution_stderr *= 1 - correction[pixel].share;
     return seen;
 }
@@ -40,8 +48,8 @@ Rgb Film::standard_error(size_t pixel) const {
     const Rgb own = uncorrected[pixel].variance(),
               least = around * (sqr(lum(uncorrected[pixel].mean())) / (count * std::max(1.0f, samples(pixel))));
     const Rgb spread{std::max(own.x, least.x), std::max(own.y, least.y), std::max(own.z, least.z)};
-    const Rgb solution = mean(pixel).solution_stderr, corrected = correction[pixel].stderr_;
-    return square_root(spread + solution * solution + corrected * corrected);
+    const Rgb solution = mean(pixel).solution_stderr, mended = correction[pixel].stderr_;
+    return square_root(spread + solution * solution + mended * mended);
 }
 
 }  // namespace lumel
