@@ -18,6 +18,7 @@ struct SessionConfig {
     SolverConfig solver;
     AreaKind areas = AreaKind::kPatches;
     const Estimator* estimator = find_estimator("weighted");
+    uint64_t adaptive_patches = 0;  ///< divide into about so many patches where the light varies; 0: leave the scene as it is
     std::optional<bool> weight_diffuse;  ///< weigh irradiance too; by default where the estimator is `auto` and the density covers it
 };
 
