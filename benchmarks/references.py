@@ -1,8 +1,10 @@
 """How far pictures of the reference scenes are from their references after a given time, as a Markdown table.
 
-python benchmarks/references.py [--time SECONDS] [--transport NAME] [--areas NAME] [--estimator NAME] [--gather N ...] [SCENE ...]
+python benchmarks/references.py [--time SECONDS] [--transport NAME] [--areas NAME] [--estimator NAME] [--gather N ...]
+    [--uniform] [SCENE ...]
 
 `--gather 0 4 16 64` tells what gathering is worth at equal time, and so what its default should be.
+`--uniform` makes all patches about as large, to tell what adaptive ones are worth.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ def main() -> None:
     parser.add_argument("--areas", default="patches", choices=AREAS)
     parser.add_argument("--estimator", default="auto", choices=_core.estimators())
     parser.add_argument("--gather", type=float, nargs="+", default=[None], metavar="N", help="gathering rays, as of `lumel render`")
+    parser.add_argument("--uniform", action="store_true", help="patches that are all about as large")
     parser.add_argument("names", nargs="*", default=NAMES, metavar="SCENE", help=f"of {', '.join(NAMES)}; all of them by default")
     arguments = parser.parse_args()
     scenes = folder()
@@ -42,6 +45,7 @@ def main() -> None:
                 areas=arguments.areas,
                 estimator=arguments.estimator,
                 gather=gather,
+                adaptive=not arguments.uniform,
             )
             started = time.monotonic()
             result = lumel.render(scene, **vars(settings), started=started)

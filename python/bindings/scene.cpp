@@ -86,6 +86,7 @@ void bind_scene(nb::module_& m) {
                     nb::arg("shape_material"), nb::arg("shape_emission"), nb::arg("materials"), nb::arg("point_positions"),
                     nb::arg("point_intensities"), nb::arg("patches"))
         .def_prop_ro("patches", &Scene::patches)
+        .def_prop_ro("is_uniform", [](const Scene& scene) { return scene.tessellation().is_uniform(); })
         .def_prop_ro("triangles", &Scene::triangles)
         .def_prop_ro("glossy_sides", &Scene::glossy_sides)
         .def_prop_ro("total_area", &Scene::total_area)

@@ -34,7 +34,8 @@ class BoundSession {
 public:
     BoundSession(const Scene& scene, const std::vector<Camera>& cameras, const std::string& transport, const std::string& areas,
                  const std::string& estimator, float defensive, float gather, std::optional<bool> weight_diffuse, bool first_shot,
-                 uint32_t direct_samples, uint64_t seed, int threads, const std::string& iteration, uint32_t window)
+                 uint32_t direct_samples, uint64_t seed, int threads, const std::string& iteration, uint32_t window,
+                 uint64_t adaptive_patches)
         : limit_(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)), arena_(threads) {
         SessionConfig config;
         config.solver = {.transport = named("transport", transport, kTransports),
@@ -47,6 +48,7 @@ public:
                          .window = window};
         config.areas = named("areas", areas, kAreas);
         config.weight_diffuse = weight_diffuse;
+        config.adaptive_patches = adaptive_patches;
         config.estimator = find_estimator(estimator);
         if (!config.estimator) throw nb::value_error("unknown estimator");
         run([&] { session_ = std::make_unique<Session>(scene, cameras, config); });
@@ -242,10 +244,10 @@ Array reach_of_lamps(BoundSession& self, uint32_t samples) {
 void bind_session(nb::module_& m) {
     nb::class_<BoundSession>(m, "Session")
         .def(nb::init<const Scene&, const std::vector<Camera>&, const std::string&, const std::string&, const std::string&, float, float,
-                      std::optional<bool>, bool, uint32_t, uint64_t, int, const std::string&, uint32_t>(),
+                      std::optional<bool>, bool, uint32_t, uint64_t, int, const std::string&, uint32_t, uint64_t>(),
              nb::arg("scene"), nb::arg("cameras"), nb::arg("transport"), nb::arg("areas"), nb::arg("estimator"), nb::arg("defensive"),
              nb::arg("gather"), nb::arg("weight_diffuse").none(), nb::arg("first_shot"), nb::arg("direct_samples"), nb::arg("seed"),
-             nb::arg("threads"), nb::arg("iteration") = "frozen", nb::arg("window") = 0)
+             nb::arg("threads"), nb::arg("iteration") = "frozen", nb::arg("window") = 0, nb::arg("adaptive_patches") = 0)
         .def("begin_replica", &BoundSession::begin_replica, nb::arg("solve_rays"))
         .def("step", &BoundSession::step, nb::arg("work"))
         .def("end_replica", &BoundSession::end_replica)
@@ -273,6 +275,8 @@ void bind_session(nb::module_& m) {
         .def_prop_ro("rays", [](BoundSession& self) { return self.session().solver().stats().rays; })
         .def_prop_ro("directions", [](BoundSession& self) { return self.session().solver().stats().bundles.raster.directions; })
         .def_prop_ro("steps", [](BoundSession& self) { return self.session().solver().steps(); })
+        .def_prop_ro(
+            "scene", [](BoundSession& self) -> const Scene& { return self.session().scene(); }, nb::rv_policy::reference_internal)
         .def_prop_ro("stats", stats);
     m.def("estimators", [] {
         std::vector<std::string> names;

@@ -13,6 +13,7 @@ from .scene import Camera, Material, Mesh, Rgb, Scene
 
 ROOM_FOR_ROUNDING = 1e-3  # of an albedo above 1
 SMOOTHEST = 1e-3
+MORE_PATCHES = 20_000  # than triangles, by default
 FARTHEST = 1e9  # m, as in the core
 BRIGHTEST = 1e15  # W/(m2 sr) or W/sr: the square, a variance, must be a float too
 
@@ -42,7 +43,7 @@ def to_core(scene: Scene, patches: int | None = None) -> tuple[_core.Scene, tupl
             materials=materials,
             point_positions=_floats([light.position for light in scene.lights]),
             point_intensities=_floats([light.intensity for light in scene.lights]),
-            patches=triangles + 20_000 if patches is None else patches,
+            patches=wanted_patches(triangles, patches),
         )
     except ValueError as error:
         raise SceneError(Problem(f"{error}: {_counts(scene)}", scene.source or None)) from error
@@ -53,6 +54,11 @@ def to_core(scene: Scene, patches: int | None = None) -> tuple[_core.Scene, tupl
     ]:
         raise SceneError(flat)
     return core, tuple(_notes(core))
+
+
+def wanted_patches(triangles: int, patches: int | None) -> int:
+    """About how many patches a scene gets where so many are asked for."""
+    return triangles + MORE_PATCHES if patches is None else patches
 
 
 def camera_to_core(camera: Camera) -> _core.Camera:

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from . import _core
-from .core import camera_to_core, to_core
+from .core import camera_to_core, to_core, wanted_patches
 from .errors import SettingsError
 from .progress import Progress
 from .result import Patches, Result
 from .scene import FloatArray, Scene
-from .schedule import Schedule
+from .schedule import SHORTEST_WITH_TRIAL, Schedule
 from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, QUALITIES, Quality, Settings
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def render(
     time: float | None = None,
     error: float | None = None,
     patches: int | None = None,
+    adaptive: bool = True,
     quality: str = "medium",
     camera: str | None = None,
     size: tuple[int, int] | None = None,
@@ -68,8 +69,10 @@ def render(
     density with them (None: 16, and 0 for `classical`). weight_diffuse: weigh diffuse light, too (None: where the estimator
     is `auto` and defensive rays cover all directions). first_shot: compute direct light apart. One budget: rays (shooting rays),
     directions (of bundles), time (s, from `started` until the picture is complete) or error (relative); with none,
-    `quality` (draft, medium, high) sets the work. patches: how many, about. camera: a name, `all`, or None for the first.
-    size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have. window: pixels of an edge of
+    `quality` (draft, medium, high) sets the work. patches: how many, about (None: 20,000 more than there are triangles).
+    adaptive: a short look at the light makes them small where it varies, above all in view; else, and where bundles are used or
+    tried, all are about as large. camera: a name, `all`, or None for the first. size: (width, height) in pixels. threads: 0 for all.
+    layers: names that the result must have. window: pixels of an edge of
     the square that bundles are rasterised into, 16 to 4096 (None: about 16 pixels a patch). iteration: bundles carry the
     light of a solved state (`frozen`), or what the bundle before brought (`plain`, as in the paper). explain: the result tells
     where the light went and what was made of it. progress is called now and then; draft is given a first result after a second or
@@ -84,12 +87,15 @@ def render(
         raise SettingsError(f"scene is {scene!r:.80}; allowed: a lumel.Scene, such as lumel.load makes")
     scene, framed = with_camera(scene)
     settings = Settings(
-        transport, areas, estimator, defensive, gather, weight_diffuse, first_shot, rays, time, error, patches, quality, camera, size, seed,
-        threads, layers, directions, window, iteration,
+        transport, areas, estimator, defensive, gather, weight_diffuse, first_shot, rays, time, error, patches, adaptive, quality, camera,
+        size, seed, threads, layers, directions, window, iteration,
     )  # fmt: skip
     settings.check(scene)
     cameras = settings.cameras(scene)
     core, left_out = to_core(scene, patches)
+    # Bundles know even patches alone.
+    may_be_bundles = settings.first_transport == "bundles" or (settings.is_free and (time or 0) >= SHORTEST_WITH_TRIAL)
+    even = not adaptive or may_be_bundles
     session = _core.Session(
         scene=core,
         cameras=[camera_to_core(c) for c in cameras],
@@ -105,7 +111,9 @@ def render(
         threads=settings.thread_count(),
         iteration=iteration,
         window=window or 0,
+        adaptive_patches=0 if even else wanted_patches(core.triangles, patches),
     )
+    core = session.scene
     schedule = Schedule(
         session, len(cameras), core.patches, settings.first_transport, settings.is_free, iteration == "plain", started, progress,
         interrupted or (lambda: False),
@@ -116,7 +124,7 @@ def render(
     def result(explained: bool) -> Result:
         pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
         schedule.error = math.hypot(*schedule.errors())
-        stats = _stats(session, schedule, clock.monotonic() - started, core.patches)
+        stats = _stats(session, schedule, clock.monotonic() - started, core)
         used = replace(settings, transport=schedule.transport)
         notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(used, stats), *_bundled(used, stats))
         story = _explanation(core, session, scene, used, stats) if explained else None
@@ -159,7 +167,7 @@ def describe(scene: Scene, patches: int | None = None) -> dict[str, Any]:
         "patches": core.patches,
         "triangles": core.triangles,
         **{key: report[key] for key in ("degenerate", "duplicate", "huge", "nonfinite")},
-        "memory_bytes": _memory(scene, core),
+        "memory_bytes": _memory(scene, core, patches),
         "surface_area": core.total_area,
         "power": tuple(float(p) for p in np.sum([light["power"] for light in lights], axis=0)) if lights else (0.0, 0.0, 0.0),
         "lights": lights,
@@ -262,7 +270,7 @@ def _picture(layers: dict[str, FloatArray]) -> dict[str, FloatArray]:
     return {"rgb": np.asarray(sum(parts), dtype=np.float32), **layers}
 
 
-def _stats(session: _core.Session, schedule: Schedule, seconds: float, patches: int) -> dict[str, object]:
+def _stats(session: _core.Session, schedule: Schedule, seconds: float, core: _core.Scene) -> dict[str, object]:
     return {
         **session.stats,
         "transport": schedule.transport,
@@ -271,7 +279,8 @@ def _stats(session: _core.Session, schedule: Schedule, seconds: float, patches: 
         "time": seconds,
         "error": schedule.error,
         "interrupted": schedule.was_interrupted,
-        "patches": patches,
+        "patches": core.patches,
+        "adaptive": not core.is_uniform,
         "borrowed": session.borrowed(),
         "unfilled": session.unfilled(),
         "flagged": session.flagged(),
@@ -293,6 +302,7 @@ def _patches(core: _core.Scene, session: _core.Session, scene: Scene) -> Patches
     )
 
 
-def _memory(scene: Scene, core: _core.Scene) -> int:
+def _memory(scene: Scene, core: _core.Scene, patches: int | None) -> int:
     pixels = max((c.width * c.height for c in scene.cameras), default=0)
-    return 60_000_000 + core.triangles * 200 + core.patches * BYTES_PER_PATCH + core.glossy_sides * 350 + pixels * BYTES_PER_PIXEL
+    most = max(core.patches, wanted_patches(core.triangles, patches))  # adaptive ones make use of all that are wanted
+    return 60_000_000 + core.triangles * 200 + most * BYTES_PER_PATCH + core.glossy_sides * 350 + pixels * BYTES_PER_PIXEL

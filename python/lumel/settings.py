@@ -57,6 +57,7 @@ class Settings:
     time: float | None = None
     error: float | None = None
     patches: int | None = None
+    adaptive: bool = True
     quality: str = "medium"
     camera: str | None = None
     size: tuple[int, int] | None = None
@@ -161,7 +162,7 @@ class Settings:
     def _bundles(self) -> Iterator[str]:
         """What has a meaning with bundles alone, or with all but them."""
         bundles = self.first_transport == "bundles"
-        for name in ("rays", "defensive", "weight_diffuse") if bundles else ("directions", "window", "iteration"):
+        for name in ("rays", "defensive", "weight_diffuse", "adaptive") if bundles else ("directions", "window", "iteration"):
             if (value := getattr(self, name)) != getattr(Settings, name):
                 others = " and ".join(other for other in TRANSPORTS if (other == "bundles") != bundles)
                 yield f"{name} is {value}, which the transport {self.first_transport} does not have; allowed: with {others}"

@@ -72,7 +72,8 @@ std::vector<std::vector<Fragment>> fragment_lists(const Scene& scene, const Wind
         const int64_t twice_area = turn(v[0], v[1], v[2]);
         if (twice_area == 0) continue;
         const Plane plane(v);
-        const Outline whole(v, twice_area > 0, 1, {}), outline(v, twice_area > 0, scene.divisions(t), scene.place(patch));
+        const Outline whole(v, twice_area > 0, 1, {}),
+            outline(v, twice_area > 0, scene.divisions(t), scene.tessellation().place_in_cell(patch));
         const auto [x0, x1] = std::minmax({outline.corners[0].x, outline.corners[1].x, outline.corners[2].x});
         const auto [y0, y1] = std::minmax({outline.corners[0].y, outline.corners[1].y, outline.corners[2].y});
         for (int64_t y = y0 / outline.pixel; y * outline.pixel <= y1; ++y) {

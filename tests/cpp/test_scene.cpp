@@ -73,7 +73,7 @@ TEST(Tessellation, patches_cover_their_triangles) {
     double sum = 0;
     for (uint32_t patch = 0; patch < scene.patches(); ++patch) {
         const uint32_t triangle = scene.triangle_of_patch(patch);
-        const PatchCorners c = scene.place(patch).corners(scene.divisions(triangle));
+        const PatchCorners c = scene.tessellation().corners(patch);
         const Vec3 n = cross(at(scene, patch, c[1]) - at(scene, patch, c[0]), at(scene, patch, c[2]) - at(scene, patch, c[0]));
         ASSERT_NEAR(0.5f * length(n), scene.patch_area(patch), 1e-4f * scene.patch_area(patch) + 1e-9f);
         ASSERT_GT(dot(n, scene.geometric_normal(triangle)), 0) << "corners turn like the triangle";
@@ -200,7 +200,7 @@ TEST(Lattice, interpolates_linear_functions_exactly) {
     const auto linear = [](Vec3 x) { return 0.3f + dot(x, {1.5f, -0.7f, 2.0f}); };
     std::vector<float> value(lattice.size(), std::numeric_limits<float>::quiet_NaN());
     for (uint32_t patch = 0; patch < scene.patches(); ++patch) {
-        const PatchCorners c = scene.place(patch).corners(scene.divisions(scene.triangle_of_patch(patch)));
+        const PatchCorners c = scene.tessellation().corners(patch);
         const auto vertices = lattice.corners(patch);
         for (size_t k = 0; k < 3; ++k) value[vertices[k]] = linear(at(scene, patch, c[k]));
     }
@@ -234,7 +234,7 @@ TEST(Accel, no_ray_escapes_a_closed_mesh) {
     for (int i = 0; i < 100000; ++i) {
         const Vec3 origin = inside();
         const auto patch = static_cast<uint32_t>(rng.uniform() * static_cast<float>(scene.patches()));
-        const PatchCorners c = scene.place(patch).corners(scene.divisions(scene.triangle_of_patch(patch)));
+        const PatchCorners c = scene.tessellation().corners(patch);
         const bool at_triangle_corner = std::max({c[0].u, c[0].v, 1 - c[0].u - c[0].v}) > 0.999f;
         const float t = i % 3 == 0 && !at_triangle_corner ? 0 : 0.01f + 0.98f * rng.uniform();
         const Vec3 target = at(scene, patch, c[0]) * (1 - t) + at(scene, patch, c[1]) * t;

@@ -36,6 +36,7 @@ def render(
     time: options.Time = None,
     error: options.Error = None,
     patches: options.Patches = None,
+    adaptive: options.Adaptive = None,
     window: options.Window = None,
     iteration: options.Iteration = None,
     quality: options.Quality = None,
@@ -64,7 +65,7 @@ def render(
         "transport": transport, "areas": areas, "estimator": estimator, "defensive": defensive, "gather": gather,
         "weight_diffuse": weight_diffuse, "first_shot": first_shot, "patches": values.count("--patches", patches, problems),
         "quality": quality, "camera": camera, "size": values.size(size, problems), "layers": wanted, "explain": explain or None,
-        "seed": seed, "threads": threads, "window": window, "iteration": iteration,
+        "seed": seed, "threads": threads, "window": window, "iteration": iteration, "adaptive": adaptive,
     }  # fmt: skip
     show = show or progress.default_kind()
     values.choice("--progress", show, progress.KINDS, problems)

@@ -30,8 +30,9 @@ Reconstruction::VertexField Reconstruction::pool(const SideField& field) const {
     std::vector<double> area(n);
     std::vector<Rgb64> value(n), variance(n);
     for (uint32_t side = 0; side < scene_->sides(); ++side) {
-        const double a = scene_->side_area(side);
-        for (uint32_t vertex : lattice_->corners(scene_->patch_of_side(side))) {
+        const uint32_t patch = scene_->patch_of_side(side);
+        for (uint32_t vertex : lattice_->corners(patch)) {
+            const double a = double{scene_->side_area(side)} * double{lattice_->weight(vertex, patch)};
             const uint32_t at = vertex_side(vertex, scene_->is_back(side));
             area[at] += a;
             value[at] += to_double(field.mean[side]) * a;
@@ -44,6 +45,13 @@ Reconstruction::VertexField Reconstruction::pool(const SideField& field) const {
         pooled.value[at] = (value[at] * (1 / area[at])).to_float();
         pooled.stderr_[at] = square_root((variance[at] * (1 / (area[at] * area[at]))).to_float());
     }
+    for (const Lattice::Hanging& hanging : lattice_->hanging())
+        for (bool back : {false, true}) {
+            const uint32_t at = vertex_side(hanging.vertex, back), a = vertex_side(hanging.ends[0], back),
+                           b = vertex_side(hanging.ends[1], back);
+            pooled.value[at] = (pooled.value[a] + pooled.value[b]) * 0.5f;
+            pooled.stderr_[at] = (pooled.stderr_[a] + pooled.stderr_[b]) * 0.5f;
+        }
     return pooled;
 }
 
@@ -63,9 +71,22 @@ void Reconstruction::estimate_specular(const PatchAreas& areas, const Estimator&
     });
     for (uint32_t slot = 0; slot < neighbourhood_.slots(); ++slot)
         if (is_repeated(slot)) specular_[eye][slot] = specular_[eye][first_alone[neighbourhood_.own(slot)[0]]];
+    hang_specular(eye);
     for (const Reconstructed& r : specular_[eye]) measured_ += r.trust.hits > 0, flagged_ += r.trust.flag > 0;
     borrowed_ += static_cast<uint32_t>(std::count(borrowed.begin(), borrowed.end(), 1));
     unfilled_ += static_cast<uint32_t>(std::count(unfilled.begin(), unfilled.end(), 1));
+}
+
+void Reconstruction::hang_specular(uint32_t eye) {
+    for (const Lattice::Hanging& hanging : lattice_->hanging())
+        for (bool back : {false, true}) {
+            const uint32_t slot = neighbourhood_.slot(hanging.vertex, back), a = neighbourhood_.slot(hanging.ends[0], back),
+                           b = neighbourhood_.slot(hanging.ends[1], back);
+            if (slot == Scene::kNone || a == Scene::kNone || b == Scene::kNone) continue;
+            const Reconstructed &from = specular_[eye][a], &to = specular_[eye][b];
+            Reconstructed& mean = specular_[eye][slot];
+            mean.value = (from.value + to.value) * 0.5f, mean.stderr_ = (from.stderr_ + to.stderr_) * 0.5f;
+        }
 }
 
 Reconstructed Reconstruction::irradiance(SurfacePoint p, bool back) const {

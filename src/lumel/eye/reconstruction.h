@@ -49,6 +49,8 @@ private:
     };
     VertexField pool(const SideField& field) const;
     void estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye);
+    /// Make the field linear along edges that coarser cells share.
+    void hang_specular(uint32_t eye);
     uint32_t vertex_side(uint32_t vertex, bool back) const { return vertex + (back ? lattice_->size() : 0); }
 
     const Scene* scene_;

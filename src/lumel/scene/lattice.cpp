@@ -1,6 +1,8 @@
 #include "lumel/scene/lattice.h"
 
 #include <bit>
+#include <unordered_map>
+#include <utility>
 
 #include "lumel/sampling/hash.h"
 
@@ -66,36 +68,87 @@ private:
 }  // namespace
 
 Lattice::Lattice(const Scene& scene) : scene_(&scene) {
+    const Tessellation& tessellation = scene.tessellation();
     uint64_t points = 0;
-    for (uint32_t t = 0; t < scene.triangles(); ++t) {
+    for (uint32_t cell = 0; cell < tessellation.cells(); ++cell) {
         first_.push_back(static_cast<uint32_t>(points));
-        points += lattice_size(scene.divisions(t));
+        points += lattice_size(tessellation.divisions(cell));
     }
     vertex_.resize(points);
     Welder welder(scene, points, kSameNormal);
-    for (uint32_t t = 0; t < scene.triangles(); ++t) {
-        const uint32_t n = scene.divisions(t);
+    for (uint32_t cell = 0; cell < tessellation.cells(); ++cell) {
+        const uint32_t n = tessellation.divisions(cell), t = tessellation.triangle_of_cell(cell);
         for (uint32_t j = 0; j <= n; ++j)
             for (uint32_t i = 0; i + j <= n; ++i) {
-                const SurfacePoint p{t, static_cast<float>(i) / static_cast<float>(n), static_cast<float>(j) / static_cast<float>(n)};
-                vertex_[first_[t] + lattice_index(n, i, j)] = welder.weld(scene.position(p), scene.shading_normal(p),
-                                                                          scene.material_index(t));
+                const Square at = tessellation.lattice_point(cell, i, j);
+                const SurfacePoint p{t, at.u, at.v};
+                vertex_[first_[cell] + lattice_index(n, i, j)] = welder.weld(scene.position(p), scene.shading_normal(p),
+                                                                             scene.material_index(t));
             }
     }
     size_ = welder.size();
     Welder places(scene, size_, -2.0f);
     for (const Welder::Vertex& vertex : welder.vertices()) place_.push_back(places.weld(vertex.x, vertex.normal, 0));
     places_ = places.size();
+    if (!tessellation.is_uniform()) find_hanging();
+}
+
+std::array<uint32_t, 3> Lattice::corners_of_cell(uint32_t cell) const {
+    const uint32_t n = scene_->tessellation().divisions(cell), first = first_[cell];
+    return {vertex_[first], vertex_[first + lattice_index(n, n, 0)], vertex_[first + lattice_index(n, 0, n)]};
+}
+
+std::vector<uint32_t> Lattice::edge(uint32_t cell, int which) const {
+    const uint32_t n = scene_->tessellation().divisions(cell);
+    std::vector<uint32_t> ids(n + 1);
+    for (uint32_t k = 0; k <= n; ++k) {
+        const std::array<uint32_t, 2> at = which == 0 ? std::array{k, 0u} : which == 1 ? std::array{n - k, k} : std::array{0u, n - k};
+        ids[k] = vertex_[first_[cell] + lattice_index(n, at[0], at[1])];
+    }
+    return ids;
+}
+
+void Lattice::find_hanging() {
+    // An edge has two welded ends. Of those that divided cells have, find the coarsest division: first among themselves, then undivided.
+    const Tessellation& tessellation = scene_->tessellation();
+    const auto name = [](uint32_t a, uint32_t b) { return uint64_t{std::min(a, b)} << 32 | std::max(a, b); };
+    const auto ends = [&](uint32_t cell, int which) {
+        const auto corners = corners_of_cell(cell);
+        return name(corners[which], corners[(which + 1) % 3]);
+    };
+    std::unordered_map<uint64_t, uint32_t> coarsest;
+    for (const bool is_divided : {true, false})
+        for (uint32_t cell = 0; cell < tessellation.cells(); ++cell) {
+            const uint32_t n = tessellation.divisions(cell);
+            if ((n > 1) != is_divided) continue;
+            for (int which = 0; which < 3; ++which) {
+                const auto at = is_divided ? coarsest.try_emplace(ends(cell, which), n).first : coarsest.find(ends(cell, which));
+                if (at != coarsest.end()) at->second = std::min(at->second, n);
+            }
+        }
+    // Where a finer cell meets it, every other vertex of the finer one hangs.
+    graded_.assign(size_, 0);
+    std::vector<uint8_t> hangs(size_);
+    for (uint32_t cell = 0; cell < tessellation.cells(); ++cell)
+        for (int which = 0; which < 3; ++which) {
+            if (tessellation.divisions(cell) == 1 || coarsest.at(ends(cell, which)) == tessellation.divisions(cell)) continue;
+            const std::vector<uint32_t> ids = edge(cell, which);
+            for (uint32_t k = 0; k < ids.size(); k += 2) graded_[ids[k]] = 1;
+            for (uint32_t k = 1; k < ids.size(); k += 2)
+                if (!std::exchange(hangs[ids[k]], 1)) hanging_.push_back({ids[k], {ids[k - 1], ids[k + 1]}});
+        }
 }
 
 Lattice::Stencil Lattice::stencil(SurfacePoint p) const {
-    const uint32_t n = scene_->divisions(p.triangle), patch = scene_->patch_of(p);
-    const PatchPlace place = PatchPlace::of_point(n, p.u, p.v);
-    const float fu = p.u * static_cast<float>(n) - static_cast<float>(place.i),
-                fv = p.v * static_cast<float>(n) - static_cast<float>(place.j);
-    // Corners of an inverted patch are (1,1), (0,1), (1,0) of its cell.
+    const Tessellation& tessellation = scene_->tessellation();
+    const Tessellation::InCell in = tessellation.locate(p.triangle, p.u, p.v);
+    const uint32_t n = tessellation.divisions(in.cell);
+    const PatchPlace place = PatchPlace::of_point(n, in.at.u, in.at.v);
+    const float fu = in.at.u * static_cast<float>(n) - static_cast<float>(place.i),
+                fv = in.at.v * static_cast<float>(n) - static_cast<float>(place.j);
+    // Corners of an inverted patch are (1,1), (0,1), (1,0) of its place.
     const std::array<float, 3> raw = place.inverted ? std::array{fu + fv - 1, 1 - fu, 1 - fv} : std::array{1 - fu - fv, fu, fv};
-    Stencil s{patch, corners(patch), {}};
+    Stencil s{tessellation.first_patch_of_cell(in.cell) + place.index(n), corners_in_cell(in.cell, place), {}};
     float sum = 0;
     for (int k = 0; k < 3; ++k) sum += s.weight[k] = std::clamp(raw[k], 0.0f, 1.0f);
     for (float& weight : s.weight) weight /= sum;

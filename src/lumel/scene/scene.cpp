@@ -56,9 +56,8 @@ Scene::Scene(const MeshInput& input, std::vector<Material> materials, std::vecto
     }
     take_triangles(input);
     order_along_curve();
-    divide(patches);
+    divide(Tessellation(divisions_by_area(area_, patches)));
     find_lamps();
-    side_order_ = SideOrder(*this);
 }
 
 void Scene::take_triangles(const MeshInput& input) {
@@ -145,20 +144,16 @@ void Scene::order_along_curve() {
     permute(smooth_);
 }
 
-void Scene::divide(uint64_t patches) {
-    divisions_ = divisions_by_area(area_, patches);
-    uint64_t count = 0;
-    for (uint16_t n : divisions_) count += uint64_t{n} * n;
-    if (count > 0x7fffffffu) throw std::invalid_argument("the scene has more than 2^31 patches");
-    first_patch_.reserve(triangles());
-    patch_triangle_.reserve(count);
+void Scene::divide(Tessellation tessellation) {
+    tessellation_ = std::move(tessellation);
+    first_glossy_.assign(triangles(), kNone);
+    glossy_patches_ = 0;
     for (uint32_t t = 0; t < triangles(); ++t) {
-        first_patch_.push_back(static_cast<uint32_t>(patch_triangle_.size()));
-        const uint32_t here = uint32_t{divisions_[t]} * divisions_[t];
-        patch_triangle_.insert(patch_triangle_.end(), here, t);
-        first_glossy_.push_back(material(t).is_glossy() ? glossy_patches_ : kNone);
-        if (material(t).is_glossy()) glossy_patches_ += here;
+        if (!material(t).is_glossy()) continue;
+        first_glossy_[t] = glossy_patches_;
+        glossy_patches_ += tessellation_.count(t);
     }
+    side_order_ = SideOrder(*this);
 }
 
 void Scene::find_lamps() {
@@ -192,8 +187,8 @@ void Scene::find_lamps() {
 }
 
 SurfacePoint Scene::point_on_patch(uint32_t patch, Square b) const {
-    const uint32_t triangle = patch_triangle_[patch];
-    const PatchCorners c = place(patch).corners(divisions_[triangle]);
+    const uint32_t triangle = triangle_of_patch(patch);
+    const PatchCorners c = tessellation_.corners(patch);
     const float w = 1 - b.u - b.v;
     return {triangle, w * c[0].u + b.u * c[1].u + b.v * c[2].u, w * c[0].v + b.u * c[1].v + b.v * c[2].v};
 }

@@ -61,6 +61,9 @@ public:
     /// Take the triangles, leave out broken ones, and divide the rest into about `patches` patches.
     Scene(const MeshInput& input, std::vector<Material> materials, std::vector<PointLamp> point_lamps, uint64_t patches);
 
+    /// Divide the triangles anew; patches and sides are numbered anew.
+    void divide(Tessellation tessellation);
+
     // Triangles
     uint32_t triangles() const { return static_cast<uint32_t>(indices_.size()); }
     const std::vector<Vec3>& vertices() const { return vertices_; }
@@ -73,7 +76,8 @@ public:
     Rgb emission(uint32_t triangle) const { return shape_emission_[shape_[triangle]]; }
     Vec3 geometric_normal(uint32_t triangle) const { return normal_[triangle]; }
     float triangle_area(uint32_t triangle) const { return area_[triangle]; }
-    uint32_t divisions(uint32_t triangle) const { return divisions_[triangle]; }
+    /// Divisions of the edges of a triangle, in a uniform tessellation.
+    uint32_t divisions(uint32_t triangle) const { return tessellation_.divisions(triangle); }
     bool is_smooth(uint32_t triangle) const { return smooth_[triangle]; }
 
     Vec3 position(SurfacePoint p) const {
@@ -89,26 +93,17 @@ public:
     Vec3 shading_normal(SurfacePoint p) const { return smooth_[p.triangle] ? normalize(interpolated_normal(p)) : normal_[p.triangle]; }
 
     // Patches and sides
-    uint32_t patches() const { return static_cast<uint32_t>(patch_triangle_.size()); }
+    const Tessellation& tessellation() const { return tessellation_; }
+    uint32_t patches() const { return tessellation_.patches(); }
     uint32_t sides() const { return 2 * patches(); }
-    uint32_t first_patch(uint32_t triangle) const { return first_patch_[triangle]; }
-    uint32_t patch_of(SurfacePoint p) const {
-        const uint32_t n = divisions_[p.triangle];
-        return first_patch_[p.triangle] + (n == 1 ? 0 : PatchPlace::of_point(n, p.u, p.v).index(n));
-    }
+    uint32_t first_patch(uint32_t triangle) const { return tessellation_.first_patch(triangle); }
+    uint32_t patch_of(SurfacePoint p) const { return tessellation_.patch_of(p.triangle, p.u, p.v); }
     uint32_t side_of(SurfacePoint p, bool back) const { return patch_of(p) + (back ? patches() : 0); }
     bool is_back(uint32_t side) const { return side >= patches(); }
     uint32_t patch_of_side(uint32_t side) const { return is_back(side) ? side - patches() : side; }
-    uint32_t triangle_of_side(uint32_t side) const { return patch_triangle_[patch_of_side(side)]; }
-    uint32_t triangle_of_patch(uint32_t patch) const { return patch_triangle_[patch]; }
-    PatchPlace place(uint32_t patch) const {
-        const uint32_t triangle = patch_triangle_[patch];
-        return PatchPlace::of_index(divisions_[triangle], patch - first_patch_[triangle]);
-    }
-    float patch_area(uint32_t patch) const {
-        const uint32_t triangle = patch_triangle_[patch];
-        return area_[triangle] / static_cast<float>(divisions_[triangle] * divisions_[triangle]);
-    }
+    uint32_t triangle_of_side(uint32_t side) const { return triangle_of_patch(patch_of_side(side)); }
+    uint32_t triangle_of_patch(uint32_t patch) const { return tessellation_.triangle_of(patch); }
+    float patch_area(uint32_t patch) const { return area_[triangle_of_patch(patch)] / tessellation_.share(patch); }
     float side_area(uint32_t side) const { return patch_area(patch_of_side(side)); }
     /// Does this side scatter light? The back of a one-sided surface is black.
     bool scatters(uint32_t side) const { return !is_back(side) || material(triangle_of_side(side)).two_sided; }
@@ -117,9 +112,9 @@ public:
     static constexpr uint32_t kNone = 0xffffffffu;
     uint32_t glossy_sides() const { return 2 * glossy_patches_; }
     uint32_t glossy_index(uint32_t side) const {
-        const uint32_t patch = patch_of_side(side), triangle = patch_triangle_[patch], first = first_glossy_[triangle];
+        const uint32_t patch = patch_of_side(side), triangle = triangle_of_patch(patch), first = first_glossy_[triangle];
         if (first == kNone || !scatters(side)) return kNone;
-        return first + (patch - first_patch_[triangle]) + (is_back(side) ? glossy_patches_ : 0);
+        return first + (patch - first_patch(triangle)) + (is_back(side) ? glossy_patches_ : 0);
     }
     /// All sides, neighbours together.
     const SideOrder& side_order() const { return side_order_; }
@@ -146,7 +141,6 @@ public:
 private:
     void take_triangles(const MeshInput& input);
     void order_along_curve();
-    void divide(uint64_t patches);
     void find_lamps();
 
     std::vector<Vec3> vertices_, normals_;
@@ -157,9 +151,9 @@ private:
     std::vector<Material> materials_;
     std::vector<Vec3> normal_;
     std::vector<float> area_;
-    std::vector<uint16_t> divisions_;
     std::vector<uint8_t> smooth_;
-    std::vector<uint32_t> first_patch_, patch_triangle_, first_glossy_;
+    Tessellation tessellation_;
+    std::vector<uint32_t> first_glossy_;  // per triangle
     uint32_t glossy_patches_ = 0;
     SideOrder side_order_;
     std::vector<AreaLamp> area_lamps_;

@@ -1,62 +1,93 @@
-// Patches: every triangle is divided into n x n equal patches, addressed by arithmetic. Rays meet the undivided triangles, so that no
-// division can open a crack.
+// Patches: every triangle is divided into equal cells, and every cell into as many patches as the light on it asks for. Rays meet the
+// undivided triangles, so that no division can open a crack.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "lumel/math/vec.h"
-#include "lumel/sampling/sobol.h"
+#include "lumel/scene/patch_place.h"
 
 namespace lumel {
 
-/// Barycentric corners (u, v) of one patch in its triangle, where x = (1-u-v) a + u b + v c.
-using PatchCorners = std::array<Square, 3>;
+/// A triangle has b x b **cells**, a cell n x n patches; both by the arithmetic of PatchPlace. Where all triangles are one cell each, the
+/// tessellation is uniform. Cells and patches of a triangle are numbered without gaps, in the order of triangles.
+class Tessellation {
+public:
+    /// A point in its cell: (u, v) from the first corner of the cell, along its edges.
+    struct InCell {
+        uint32_t cell;
+        Square at;
+    };
 
-/// Number of lattice points of a triangle with n divisions of each edge.
-constexpr uint32_t lattice_size(uint32_t n) { return (n + 1) * (n + 2) / 2; }
+    Tessellation() = default;
+    /// One cell a triangle, of `divisions` each. Throws std::invalid_argument for more than 2^31 patches, as the next one does.
+    explicit Tessellation(std::span<const uint16_t> divisions);
+    /// The patches of a uniform tessellation become cells; of `divisions` each, which are powers of two.
+    Tessellation(const Tessellation& uniform, std::span<const uint8_t> divisions);
 
-/// Lattice point of column `i` (along u) and row `j` (along v), numbered row by row.
-constexpr uint32_t lattice_index(uint32_t n, uint32_t i, uint32_t j) { return j * (2 * n + 3 - j) / 2 + i; }
+    uint32_t patches() const { return static_cast<uint32_t>(patch_cell_.size()); }
+    uint32_t cells() const { return static_cast<uint32_t>(cells_.size()); }
+    /// Whether every triangle is one cell.
+    bool is_uniform() const { return cells_.size() == grids_.size(); }
 
-/// Position of a patch in its triangle: row by row along v; in a row, upright and inverted patches alternate along u.
-struct PatchPlace {
-    uint32_t i = 0, j = 0;
-    bool inverted = false;
-
-    constexpr uint32_t index(uint32_t n) const { return j * (2 * n - j) + 2 * i + (inverted ? 1 : 0); }
-
+    // Triangles
+    uint32_t first_patch(uint32_t triangle) const { return cells_[grids_[triangle].first_cell].first_patch; }
+    /// Patches of a triangle.
+    uint32_t count(uint32_t triangle) const {
+        return (triangle + 1 < grids_.size() ? first_patch(triangle + 1) : patches()) - first_patch(triangle);
+    }
+    InCell locate(uint32_t triangle, float u, float v) const {
+        const Grid& grid = grids_[triangle];
+        if (grid.cells == 1) return {grid.first_cell, {u, v}};
+        const PatchPlace place = PatchPlace::of_point(grid.cells, u, v);
+        const float fu = u * static_cast<float>(grid.cells) - static_cast<float>(place.i),
+                    fv = v * static_cast<float>(grid.cells) - static_cast<float>(place.j);
+        return {grid.first_cell + place.index(grid.cells), place.inverted ? Square{1 - fu, 1 - fv} : Square{fu, fv}};
+    }
     /// The patch that owns the point (u, v).
-    static PatchPlace of_point(uint32_t n, float u, float v) {
-        const float fn = static_cast<float>(n);
-        const uint32_t j = std::min(static_cast<uint32_t>(std::max(v, 0.0f) * fn), n - 1);
-        const uint32_t i = std::min(static_cast<uint32_t>(std::max(u, 0.0f) * fn), n - 1 - j);
-        const float rest = u * fn - static_cast<float>(i) + v * fn - static_cast<float>(j);
-        return {i, j, rest > 1.0f && i + j + 1 < n};
+    uint32_t patch_of(uint32_t triangle, float u, float v) const {
+        const InCell p = locate(triangle, u, v);
+        const Cell& cell = cells_[p.cell];
+        return cell.first_patch + (cell.divisions == 1 ? 0 : PatchPlace::of_point(cell.divisions, p.at.u, p.at.v).index(cell.divisions));
     }
-    static PatchPlace of_index(uint32_t n, uint32_t index) {
-        // Rows from j on hold (n-j)^2 patches together.
-        const uint32_t left = n * n - index;
-        auto rows = static_cast<uint32_t>(std::sqrt(static_cast<float>(left)));
-        while (rows * rows < left) ++rows;
-        while ((rows - 1) * (rows - 1) >= left) --rows;
-        const uint32_t j = n - rows, k = index - j * (2 * n - j);
-        return {k / 2, j, (k & 1) != 0};
+
+    // Cells
+    uint32_t triangle_of_cell(uint32_t cell) const { return cells_[cell].triangle; }
+    /// Divisions n of the edges of a cell.
+    uint32_t divisions(uint32_t cell) const { return cells_[cell].divisions; }
+    uint32_t first_patch_of_cell(uint32_t cell) const { return cells_[cell].first_patch; }
+    /// The point of a triangle where the lattice of a cell has column `i` and row `j`.
+    Square lattice_point(uint32_t cell, uint32_t i, uint32_t j) const;
+
+    // Patches
+    uint32_t cell_of(uint32_t patch) const { return patch_cell_[patch]; }
+    uint32_t triangle_of(uint32_t patch) const { return cells_[patch_cell_[patch]].triangle; }
+    /// Position of a patch in its cell.
+    PatchPlace place_in_cell(uint32_t patch) const {
+        const Cell& cell = cells_[patch_cell_[patch]];
+        return PatchPlace::of_index(cell.divisions, patch - cell.first_patch);
     }
-    /// Lattice points of the corners, counter-clockwise like the triangle.
-    std::array<std::array<uint32_t, 2>, 3> lattice() const {
-        if (inverted) return {{{i + 1, j + 1}, {i, j + 1}, {i + 1, j}}};
-        return {{{i, j}, {i + 1, j}, {i, j + 1}}};
+    /// Patches of the size of this one that its triangle has room for.
+    float share(uint32_t patch) const {
+        const Cell& cell = cells_[patch_cell_[patch]];
+        const auto n = static_cast<uint32_t>(cell.divisions) * grids_[cell.triangle].cells;
+        return static_cast<float>(n * n);
     }
-    PatchCorners corners(uint32_t n) const {
-        PatchCorners c;
-        const auto points = lattice();
-        for (int k = 0; k < 3; ++k)
-            c[k] = {static_cast<float>(points[k][0]) / static_cast<float>(n), static_cast<float>(points[k][1]) / static_cast<float>(n)};
-        return c;
-    }
+    /// Corners in the triangle, which turn like it.
+    PatchCorners corners(uint32_t patch) const;
+
+private:
+    struct Grid {
+        uint32_t first_cell, cells;  // cells along an edge
+    };
+    struct Cell {
+        uint32_t first_patch, triangle, divisions;
+    };
+    void number_patches();
+
+    std::vector<Grid> grids_;            // per triangle
+    std::vector<Cell> cells_;
+    std::vector<uint32_t> patch_cell_;
 };
 
 /// Divisions n of every triangle such that about `patches` patches of about equal area arise (at least one a triangle); areas in m2.

@@ -1,6 +1,7 @@
 #include "lumel/solver/session.h"
 
 #include "lumel/sampling/hash.h"
+#include "lumel/solver/refine.h"
 
 namespace lumel {
 
@@ -18,12 +19,18 @@ std::vector<Vec3> eyes_of(const std::vector<Camera>& cameras) {
     return eyes;
 }
 
+/// The scene, divided anew where the light varies if that is wanted.
+const Scene& refined(Scene& scene, const Accel& accel, std::span<const Camera> cameras, const SessionConfig& config) {
+    if (config.adaptive_patches > 0) refine(scene, accel, cameras, config.adaptive_patches, config.solver.first_shot);
+    return scene;
+}
+
 }  // namespace
 
 Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& config)
     : scene_(std::move(scene)),
       accel_(scene_),
-      lattice_(scene_),
+      lattice_(refined(scene_, accel_, cameras, config)),
       defensive_(survey(accel_, key(config.solver.seed, kSurvey))),
       cameras_(std::move(cameras)),
       config_(config) {

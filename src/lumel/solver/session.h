@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <optional>
+#include <stdexcept>
 
 #include "lumel/eye/eye_pass.h"
 #include "lumel/eye/pixel_radiance.h"
@@ -18,6 +19,7 @@ struct SessionConfig {
     SolverConfig solver;
     AreaKind areas = AreaKind::kPatches;
     const Estimator* estimator = find_estimator("weighted");
+    uint64_t adaptive_patches = 0;  ///< divide into about so many patches where the light varies; 0: leave the scene as it is
     std::optional<bool> weight_diffuse;  ///< weigh irradiance too; by default where the estimator is `auto` and the density covers it
 };
 
@@ -41,8 +43,10 @@ public:
     const std::vector<Camera>& cameras() const { return cameras_; }
     Solver& solver() { return *solver_; }
     Transport transport() const { return config_.solver.transport; }
-    /// Forget what was shot and go on with another transport.
+    /// Forget what was shot and go on with another transport. Throws std::invalid_argument for bundles where patches are adaptive.
     void change_transport(Transport transport) {
+        if (transport == Transport::kBundles && !scene_.tessellation().is_uniform())
+            throw std::invalid_argument("bundles need a uniform tessellation");
         config_.solver.transport = transport;
         solver_->change_transport(transport);
     }

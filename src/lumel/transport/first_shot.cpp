@@ -91,8 +91,8 @@ std::vector<Rgb> emitted_flux(const Scene& scene) {
     std::vector<Rgb> flux(scene.sides());
     for (const AreaLamp& lamp : scene.area_lamps())
         for (uint32_t triangle : lamp.triangles) {
-            const uint32_t n = scene.divisions(triangle), first = scene.first_patch(triangle);
-            for (uint32_t patch = first; patch < first + n * n; ++patch) flux[patch] = lamp.radiance * (kPi * scene.patch_area(patch));
+            const uint32_t first = scene.first_patch(triangle), end = first + scene.tessellation().count(triangle);
+            for (uint32_t patch = first; patch < end; ++patch) flux[patch] = lamp.radiance * (kPi * scene.patch_area(patch));
         }
     return flux;
 }

@@ -19,7 +19,7 @@ SideSource::SideSource(const Scene& scene, const Emitters& emitters, uint32_t si
 void SideSource::draw_points(Leaving& rays) const {
     // Positions and normals are linear over the triangle, hence over the patch, too.
     const uint32_t triangle = scene_->triangle_of_side(side_);
-    const PatchCorners corners = scene_->place(scene_->patch_of_side(side_)).corners(scene_->divisions(triangle));
+    const PatchCorners corners = scene_->tessellation().corners(scene_->patch_of_side(side_));
     const auto point = [&](int k) { return SurfacePoint{triangle, corners[k].u, corners[k].v}; };
     const Vec3 a = scene_->position(point(0)), ab = scene_->position(point(1)) - a, ac = scene_->position(point(2)) - a;
     for (uint32_t i = 0; i < rays.size; ++i) {
