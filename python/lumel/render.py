@@ -17,7 +17,7 @@ from .errors import SettingsError
 from .progress import Progress
 from .result import Patches, Result
 from .scene import FloatArray, Scene
-from .schedule import SHORTEST_WITH_TRIAL, Schedule
+from .schedule import SHORTEST_WITH_TRIAL, Schedule, has_time_for_trial
 from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, QUALITIES, Quality, Settings
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def render(
     time: float | None = None,
     error: float | None = None,
     patches: int | None = None,
-    adaptive: bool = True,
+    adaptive: bool | None = None,
     quality: str = "medium",
     camera: str | None = None,
     size: tuple[int, int] | None = None,
@@ -69,9 +69,10 @@ def render(
     density with them (None: 16, and 0 for `classical`). weight_diffuse: weigh diffuse light, too (None: where the estimator
     is `auto` and defensive rays cover all directions). first_shot: compute direct light apart. One budget: rays (shooting rays),
     directions (of bundles), time (s, from `started` until the picture is complete) or error (relative); with none,
-    `quality` (draft, medium, high) sets the work. patches: how many, about (None: 20,000 more than there are triangles).
-    adaptive: a short look at the light makes them small where it varies, above all in view; else, and where bundles are used or
-    tried, all are about as large. camera: a name, `all`, or None for the first. size: (width, height) in pixels. threads: 0 for all.
+    `quality` (draft, medium, high) sets the work. patches: how many, about (None: 20,000 more than there are triangles; 150,000 more
+    where they are adaptive in a long render). adaptive: a short look at the light makes them small where it varies, above all in
+    view; else, and with bundles, all are about as large (None: in long renders, with a time of 20 s or more or by high
+    quality). camera: a name, `all`, or None for the first. size: (width, height) in pixels. threads: 0 for all.
     layers: names that the result must have. window: pixels of an edge of
     the square that bundles are rasterised into, 16 to 4096 (None: about 16 pixels a patch). iteration: bundles carry the
     light of a solved state (`frozen`), or what the bundle before brought (`plain`, as in the paper). explain: the result tells
@@ -92,36 +93,42 @@ def render(
     )  # fmt: skip
     settings.check(scene)
     cameras = settings.cameras(scene)
-    core, left_out = to_core(scene, patches)
-    # Bundles know even patches alone.
-    may_be_bundles = settings.first_transport == "bundles" or (settings.is_free and (time or 0) >= SHORTEST_WITH_TRIAL)
-    even = not adaptive or may_be_bundles
-    session = _core.Session(
-        scene=core,
-        cameras=[camera_to_core(c) for c in cameras],
-        transport=settings.first_transport,
-        areas=areas,
-        estimator=estimator,
-        defensive=-1.0 if defensive is None else defensive,
-        gather=settings.gather_rays(),
-        weight_diffuse=weight_diffuse,
-        first_shot=first_shot,
-        direct_samples=DIRECT_SAMPLES,
-        seed=seed,
-        threads=settings.thread_count(),
-        iteration=iteration,
-        window=window or 0,
-        adaptive_patches=0 if even else wanted_patches(core.triangles, patches),
-    )
-    core = session.scene
+    views = [camera_to_core(c) for c in cameras]
+    even, left_out = to_core(scene, patches)
+    many = wanted_patches(even.triangles, patches, many=settings.is_long)
+
+    def session(adaptive_patches: int) -> _core.Session:
+        return _core.Session(
+            scene=even,
+            cameras=views,
+            transport=settings.first_transport,
+            areas=areas,
+            estimator=estimator,
+            defensive=-1.0 if defensive is None else defensive,
+            gather=settings.gather_rays(),
+            weight_diffuse=weight_diffuse,
+            first_shot=first_shot,
+            direct_samples=DIRECT_SAMPLES,
+            seed=seed,
+            threads=settings.thread_count(),
+            iteration=iteration,
+            window=window or 0,
+            adaptive_patches=adaptive_patches,
+        )
+
+    # Bundles, which may be chosen in a trial, know even patches alone.
+    is_tried = settings.is_free and has_time_for_trial(time)
     schedule = Schedule(
-        session, len(cameras), core.patches, settings.first_transport, settings.is_free, iteration == "plain", started, progress,
-        interrupted or (lambda: False),
+        session(many if settings.wants_adaptive and not is_tried else 0), len(cameras), settings.first_transport, is_tried,
+        iteration == "plain", started, progress, interrupted or (lambda: False),
     )  # fmt: skip
+    if settings.wants_adaptive:
+        schedule.refine = lambda: session(many)
     if transport is None:
-        schedule.why = "by default; with a time of 30 s or more others are tried"
+        schedule.why = f"by default; with a time of {SHORTEST_WITH_TRIAL:g} s or more others are tried"
 
     def result(explained: bool) -> Result:
+        session, core = schedule.session, schedule.session.scene
         pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
         schedule.error = math.hypot(*schedule.errors())
         stats = _stats(session, schedule, clock.monotonic() - started, core)
@@ -132,11 +139,11 @@ def render(
 
     if draft:
         schedule.draft = lambda: draft(result(explained=False))
-    _work(schedule, settings, core.patches)
+    _work(schedule, settings)
     return result(explain)
 
 
-def _work(schedule: Schedule, settings: Settings, patches: int) -> None:
+def _work(schedule: Schedule, settings: Settings) -> None:
     """Do what the budget asks for; with none, what the quality does."""
     work = QUALITIES[settings.quality]
     if settings.time is not None:
@@ -144,7 +151,7 @@ def _work(schedule: Schedule, settings: Settings, patches: int) -> None:
     elif settings.error is not None:
         schedule.by_error(settings.error)
     else:
-        schedule.by_work(settings.rays or settings.directions or _work_of(work, settings, patches), work.samples)
+        schedule.by_work(settings.rays or settings.directions or _work_of(work, settings, schedule.patches), work.samples)
 
 
 def _work_of(quality: Quality, settings: Settings, patches: int) -> int:

@@ -52,6 +52,11 @@ BUNDLES = Pace("directions", 64, 1 << 14, 128, 1, 10_000.0)
 PLAIN = replace(BUNDLES, per_replica=1024)  # bundles as the paper iterates them: many directions pass before a replica has settled
 
 
+def has_time_for_trial(seconds: float | None) -> bool:
+    """Is there a time, and is it long enough to try transports at the start?"""
+    return seconds is not None and seconds >= SHORTEST_WITH_TRIAL
+
+
 @dataclass
 class Schedule:
     """Runs a session. `interrupted` is asked between steps; `show` is told where things are; `draft` is called when films hold a first
@@ -59,14 +64,14 @@ class Schedule:
 
     session: _core.Session
     cameras: int
-    patches: int
     transport: str
-    free: bool  # may another transport be chosen?
+    free: bool  # shall the transport be chosen in a trial, if a time is the budget?
     plain: bool  # are bundles iterated plainly?
     started: float
     show: Callable[[Progress], None] | None = None
     interrupted: Callable[[], bool] = lambda: False
     draft: Callable[[], None] | None = None
+    refine: Callable[[], _core.Session] | None = None  # makes a session of adaptive patches, for the transports that know them
     error: float = math.nan
     was_interrupted: bool = False
     why: str = ""  # the transport was chosen
@@ -95,7 +100,7 @@ class Schedule:
         end = self.started + seconds
         if seconds >= SHORTEST_WITH_DRAFT:
             self._first_draft()
-        if self.free and seconds >= SHORTEST_WITH_TRIAL:
+        if self.free:
             self._choose_transport(seconds * TRIAL_SHARE)
         begin = time.monotonic()
         stop = begin + max(0.0, end - begin) * SHOOT_SHARE
@@ -149,6 +154,11 @@ class Schedule:
     def pace(self) -> Pace:
         """How work is dealt out."""
         return RAYS if self.transport != "bundles" else PLAIN if self.plain else BUNDLES
+
+    @property
+    def patches(self) -> int:
+        """Of the scene."""
+        return self.session.scene.patches
 
     @property
     def work(self) -> int:
@@ -263,6 +273,8 @@ class Schedule:
         compared = ", ".join(f"{cost[t] / max(cost[best], 1e-30):.2g} times that of {best} with {t}" for t in TRIED if t != best)
         self.why = f"in a trial the squared error at equal time was {compared}"
         self._use_transport(best)
+        if self.refine and best != "bundles":
+            self.session = self.refine()
 
     def _try_transport(self, transport: str, seconds: float) -> float:
         """Squared relative error of the solution that a transport reaches, times the seconds that this took."""

@@ -16,6 +16,7 @@ from .scene import Camera, Scene
 
 TRANSPORTS = ("rays", "walk", "bundles")
 DEFAULT_TRANSPORT = "rays"
+LONG = 20.0  # s of a render from which on many patches pay
 ITERATIONS = ("frozen", "plain")
 WINDOWS = (16, 4096)  # least and most pixels of an edge
 AREAS = ("patches", "pixels")
@@ -57,7 +58,7 @@ class Settings:
     time: float | None = None
     error: float | None = None
     patches: int | None = None
-    adaptive: bool = True
+    adaptive: bool | None = None
     quality: str = "medium"
     camera: str | None = None
     size: tuple[int, int] | None = None
@@ -107,6 +108,17 @@ class Settings:
     def is_free(self) -> bool:
         """May another transport be chosen? Not where one is asked for, nor what only the first one has."""
         return self.transport is None and self.defensive is None and self.weight_diffuse is None
+
+    @property
+    def is_long(self) -> bool:
+        """Is there so much to do that many patches, and a look at the light to place them, pay?"""
+        by_quality = self.quality == "high" and not (self.rays or self.directions or self.time or self.error)
+        return by_quality or (self.time is not None and self.time >= LONG)
+
+    @property
+    def wants_adaptive(self) -> bool:
+        """Shall patches be small where the light varies?"""
+        return self.first_transport != "bundles" and (self.is_long if self.adaptive is None else self.adaptive)
 
     def gather_rays(self) -> float:
         """Gathering rays for every measured area per 2^20 shooting rays."""

@@ -25,6 +25,7 @@ constexpr double kLargest = 0.05;         // relative error beyond which it does
 constexpr double kUnseen = 0.1;           // weight of what a cell has of the area, against what it has of the pixels
 constexpr double kSent = 0.003;           // weight of what is sent, against what is seen
 constexpr double kEven = 0.02;            // of the error, spread by area: what the pilot may have missed
+constexpr double kEvenPatches = 2.0 / 3;  // share of the patches that are cells: the rest divides some of these
 constexpr int kRounds = 2;                // of smoothing
 
 /// Who sees a side: the share that it has of all pictures, and the camera in which that is most.
@@ -125,7 +126,8 @@ void refine(Scene& scene, const Accel& accel, std::span<const Camera> cameras, u
     Tessellation before = scene.tessellation();
     std::vector<float> areas(scene.triangles());
     for (uint32_t t = 0; t < scene.triangles(); ++t) areas[t] = scene.triangle_area(t);
-    scene.divide(Tessellation(divisions_by_area(areas, scene.triangles() + (patches - scene.triangles()) / 2)));
+    const auto even = static_cast<uint64_t>(kEvenPatches * static_cast<double>(patches - scene.triangles()));
+    scene.divide(Tessellation(divisions_by_area(areas, scene.triangles() + even)));
     const Lattice lattice(scene);
     const CellEdges edges(scene, lattice);
     const DefensiveStarts reachable = survey(accel, kSurvey);
