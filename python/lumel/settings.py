@@ -17,6 +17,7 @@ from .scene import Camera, Scene
 TRANSPORTS = ("rays", "walk", "bundles")
 DEFAULT_TRANSPORT = "rays"
 LONG = 20.0  # s of a render from which on many patches pay
+ADAPTIVE_TIME, ADAPTIVE_RAYS = 4.0, 4_000_000  # s and rays from which on adaptive ones pay
 ITERATIONS = ("frozen", "plain")
 WINDOWS = (16, 4096)  # least and most pixels of an edge
 AREAS = ("patches", "pixels")
@@ -117,8 +118,12 @@ class Settings:
 
     @property
     def wants_adaptive(self) -> bool:
-        """Shall patches be small where the light varies?"""
-        return self.first_transport != "bundles" and (self.is_long if self.adaptive is None else self.adaptive)
+        """Shall patches be small where the light varies? The look at it costs time, so not in the shortest renders by default."""
+        if self.first_transport == "bundles" or self.adaptive is not None:
+            return bool(self.adaptive)
+        if self.time is not None or self.rays is not None:
+            return (self.time or 0) >= ADAPTIVE_TIME or (self.rays or 0) >= ADAPTIVE_RAYS
+        return self.error is not None or self.quality != "draft"
 
     def gather_rays(self) -> float:
         """Gathering rays for every measured area per 2^20 shooting rays."""

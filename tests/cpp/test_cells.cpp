@@ -198,7 +198,6 @@ TEST(Cells, patches_go_where_light_bends_and_errors_fall) {
         const Solver solver = solved(stage, config, no_areas(stage.scene));
         const SideField found = solver.indirect();
         errors[adaptive] = error_at_contact(stage.scene, reconstructed(stage.scene, stage.lattice, found), fine.scene, truth);
-        printf("%d patches %u error %f\n", adaptive, stage.scene.patches(), errors[adaptive]);
     }
     EXPECT_LT(errors[1], 0.6 * errors[0]);
 }

@@ -44,8 +44,15 @@ def test_small_triangles_are_left_alone() -> None:
     assert not render(scene, **SMALL | {"patches": triangles}).stats["adaptive"]
 
 
-def test_long_renders_alone_look_at_the_light_by_default() -> None:
-    for settings, expected in (({}, False), ({"time": 5.0}, False), ({"time": 30.0}, True), ({"quality": "high"}, True)):
+def test_all_but_short_renders_look_at_the_light_by_default() -> None:
+    short = ({"quality": "draft"}, {"time": 3.0}, {"rays": 100_000})
+    for settings, expected in (
+        *((s, False) for s in short),
+        ({}, True),
+        ({"time": 5.0}, True),
+        ({"rays": 10_000_000}, True),
+        ({"error": 0.01}, True),
+    ):
         assert Settings(**settings).wants_adaptive == expected
     assert not Settings(quality="high", rays=1000).wants_adaptive
     assert not Settings(time=30.0, transport="bundles").wants_adaptive

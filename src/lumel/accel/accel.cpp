@@ -117,8 +117,7 @@ void Accel::intersect(const RayBlock& rays, HitBlock& hits, Coherence coherence)
     alignas(32) std::array<int, kLanes> valid;
     for (uint32_t first = 0; first < rays.size; first += kLanes) {
         to_embree(rays, first, INFINITY, valid, query.ray);
-        for (uint32_t k = 0; k < kLanes; ++k)
-            query.hit.geomID[k] = query.hit.instID[0][k] = query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
+        for (uint32_t k = 0; k < kLanes; ++k) query.hit.geomID[k] = query.hit.instID[0][k] = query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
         embree::intersect(valid.data(), embree_->all, coherence == Coherence::kRays, query);
         for (uint32_t k = 0; k < kLanes; ++k) {
             const uint32_t i = first + k;

@@ -16,7 +16,8 @@ constexpr float kAlikeDepth = 0.1f, kAlikeAlbedo = 0.25f;  // relative differenc
 constexpr float kNear = 0.05f;         // share of rays that must have met something near; twice that, and all is believed
 constexpr float kEnough = 24;  // gathering samples a pixel: with fewer, less is believed, for rare bright rays may not have come yet
 constexpr float kProbed = 64;  // gathering samples around that met nothing near: hardly any will
-constexpr float kMostBeyond = 2.5f;  // root mean squares that a pixel may differ from those around: rare bright rays differ by more
+constexpr float kMostBeyond = 2.5f;  // root mean squares that a pixel may differ from those around: rare bright rays differ by more,
+constexpr float kSure = 4;          // but not by so many of their own standard errors
 constexpr float kChance = 1;     // standard errors that chance may explain
 
 /// Do two pixels see surfaces whose light is about equally well reconstructed?
@@ -71,7 +72,8 @@ Part part(const Difference& own, std::span<const Difference> around, float usual
                 of_one = std::max(noise(variance), usual * light);
     const float smooth = trust * share(sqr(lum(mean)), of_one / count, 1, passes), single = trust * share(beyond, of_one, count, passes);
     const Rgb differs = own.mean - mean;
-    const float limit = std::min(1.0f, kMostBeyond * std::sqrt(beyond) / std::max(std::abs(lum(differs)), 1e-30f));
+    const float size = std::abs(lum(differs)), usual_size = kMostBeyond * std::sqrt(beyond);
+    const float limit = size <= usual_size || sqr(size) > sqr(kSure) * noise(own.variance) ? 1.0f : usual_size / size;
     return {mean * smooth + differs * (single * limit), variance * (sqr(smooth) / count + sqr(single)), std::max(smooth, single)};
 }
 
@@ -81,7 +83,7 @@ struct Differences {
     std::vector<Difference> all;
 
     /// `light` is the light of that kind in an eye sample.
-    Differences(const Film& f, const std::vector<Gathered>& gathered, Rgb EyeSample::*light) : film(f) {
+    Differences(const Film& f, const std::vector<Gathered>& gathered, Rgb EyeSample::* light) : film(f) {
         all.reserve(f.pixels());
         for (size_t pixel = 0; pixel < f.pixels(); ++pixel)
             all.push_back(difference(gathered[pixel], lum(f.sum[pixel].*light) / f.samples(pixel)));

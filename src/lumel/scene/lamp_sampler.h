@@ -132,8 +132,7 @@ private:
         const float above = dot(to, x_->normal) + node.ball.radius;
         if (!(above > 0)) return 0;
         const float d2 = std::max(dot(to, to), sqr(node.ball.radius)), d = std::sqrt(d2);
-        return node.ball.power * std::max(0.05f, std::min(1.0f, above / d)) / d2 *
-               (glossy_ ? brdf(to / d, node.ball.radius / d) : 1.0f);
+        return node.ball.power * std::max(0.05f, std::min(1.0f, above / d)) / d2 * (glossy_ ? brdf(to / d, node.ball.radius / d) : 1.0f);
     }
     /// BRDF for light from about `wi`, the lobe widened by what the lamp subtends, and never quite without the lobe.
     [[gnu::always_inline]] float brdf(Vec3 wi, float subtended) const {
