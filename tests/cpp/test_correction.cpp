@@ -11,10 +11,11 @@ namespace lumel::test {
 namespace {
 
 constexpr float kNoise = 0.4f;  // of one pass
-constexpr uint32_t kSize = 32, kPasses = 32;
+constexpr uint32_t kSize = 32, kPasses = 32, kOdd = 10 * kSize + 8;
 
-/// A film of a wall whose reconstruction is 1 everywhere, while gathering finds 1 + bias(x) and noise; `near` in the left half.
-Film film_with(const std::function<float(uint32_t)>& bias) {
+/// A film of a wall whose reconstruction is 1 everywhere, while gathering finds 1 + bias(x) and noise; `near` in the left half. In the pixel
+/// kOdd it finds `always` more, and `once` more in one of its passes.
+Film film_with(const std::function<float(uint32_t)>& bias, float always = 0, float once = 0) {
     Film film(kSize, kSize);
     for (uint32_t number = 0; number < kPasses; ++number) {
         std::vector<PixelPass> pass(film.pixels());
@@ -25,7 +26,8 @@ Film film_with(const std::function<float(uint32_t)>& bias) {
             Rng rng(key(3, pixel, number));
             const float noise = kNoise * std::sqrt(12.0f) * (rng.uniform() - 0.5f);
             const uint32_t x = pixel % kSize;
-            p.excess = {grey(bias(x) + noise), {}, x < kSize / 2 ? 0.3f : 0.0f, 0};
+            const float odd = pixel == kOdd ? always + (number == 5 ? once : 0) : 0;
+            p.excess = {grey(bias(x) + noise + odd), {}, x < kSize / 2 ? 0.3f : 0.0f, 0};
         }
         film.add(pass);
     }
@@ -54,6 +56,16 @@ TEST(Correction, mends_what_is_off_and_adds_little_noise_elsewhere) {
     EXPECT_LT(left_error(film_with(nothing), nothing, 2, 14), 0.1 * noise);
     // Where nothing is near, nothing is touched.
     EXPECT_EQ(left_error(film_with(nothing), nothing, 20, kSize), 0);
+}
+
+TEST(Correction, tells_a_small_thing_from_a_rare_bright_ray) {
+    const auto nothing = [](uint32_t) { return 0.0f; };
+    // Both make the mean of the pixel 0.9 brighter than those around; what comes again in every pass is there.
+    constexpr float kMore = 0.9f;
+    const float small_thing = film_with(nothing, kMore).mean(kOdd).indirect_diffuse.y - 1;
+    const float bright_ray = film_with(nothing, 0, kMore * kPasses).mean(kOdd).indirect_diffuse.y - 1;
+    EXPECT_GT(small_thing, 0.6f * kMore);
+    EXPECT_LT(std::abs(bright_ray), 0.1f * kMore);
 }
 
 TEST(Correction, brings_coarse_patches_to_what_fine_ones_show_at_a_contact) {
