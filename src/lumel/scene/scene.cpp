@@ -181,6 +181,7 @@ void Scene::find_lamps() {
     for (const AreaLamp& lamp : area_lamps_) lamps_.add(lamp.centre, lamp.normal, lamp.radius, lum(lamp.radiance) * lamp.area);
     for (const PointLamp& lamp : point_lamps_) lamps_.add(lamp.position, {}, 0, lum(lamp.intensity));
     std::vector<LampBall> balls;
+    balls.reserve(lamps_.size());
     for (uint32_t i = 0; i < lamps_.size(); ++i)
         balls.push_back({{lamps_.x[i], lamps_.y[i], lamps_.z[i]}, lamps_.radius[i], lamps_.power[i]});
     lamp_tree_ = LampTree(balls);
