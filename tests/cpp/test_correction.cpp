@@ -13,8 +13,8 @@ namespace {
 constexpr float kNoise = 0.4f;  // of one pass
 constexpr uint32_t kSize = 32, kPasses = 32, kOdd = 10 * kSize + 8;
 
-/// A film of a wall whose reconstruction is 1 everywhere, while gathering finds 1 + bias(x) and noise; `near` in the left half. In the pixel
-/// kOdd it finds `always` more, and `once` more in one of its passes.
+/// A film of a wall whose reconstruction is 1 everywhere, while gathering finds 1 + bias(x) and noise; `near` in the left half. In the
+/// pixel kOdd it finds `always` more, and `once` more in one of its passes.
 Film film_with(const std::function<float(uint32_t)>& bias, float always = 0, float once = 0) {
     Film film(kSize, kSize);
     for (uint32_t number = 0; number < kPasses; ++number) {
