@@ -76,6 +76,7 @@ class Schedule:
     was_interrupted: bool = False
     why: str = ""  # the transport was chosen
     _drafted: float = field(default=0.0, init=False)  # seconds after the start
+    _end: float = field(default=math.inf, init=False)  # of the time, on time.monotonic()
     _shooting_s: float = field(default=0.0, init=False)
     _step_speed: float = field(default=0.0, init=False)  # work a second of the last step
     _solve_speed: float = field(default=0.0, init=False)  # rays a second of the last solve
@@ -97,7 +98,7 @@ class Schedule:
 
     def by_time(self, seconds: float) -> None:
         """Shoot and see until `seconds` after the start. The share of each follows from what it brought in a first look."""
-        end = self.started + seconds
+        end = self._end = self.started + seconds
         if seconds >= SHORTEST_WITH_DRAFT:
             self._first_draft()
         if self.free:
@@ -115,7 +116,7 @@ class Schedule:
                 self._step(max(self.pace.least, int(self._pilot_rays(seconds) / self.pace.rays)))
                 replicas = self._replicas(int((stop - begin) * self._step_speed), int((stop - begin) / 4 / max(started, 1e-3)))
                 slot = (stop - begin) / replicas
-            self._steps_until(before + slot, end)
+            self._steps_until(before + slot)
             self.session.end_replica()
             replica += 1
             self._draft_of_fields()
@@ -204,7 +205,7 @@ class Schedule:
                 break
         self.session.end_replica()
 
-    def _steps_until(self, until: float, end: float) -> None:
+    def _steps_until(self, until: float) -> None:
         """Take as many steps, as large as may be, as fit before the time `until`; at least one in a replica."""
         first = self.session.steps == 0
         while True:
@@ -214,7 +215,7 @@ class Schedule:
             first = False
             parts = max(1, round(room / self._largest_step()))
             self._step(max(4 * self.pace.least, int(room / parts)))
-            self._tell("shoot", (time.monotonic() - self.started) / (end - self.started))
+            self._tell("shoot", (time.monotonic() - self.started) / (self._end - self.started))
 
     def _begin(self, rays: int) -> None:
         """Start a replica, with a solve of about `rays` rays."""
@@ -284,7 +285,7 @@ class Schedule:
             self._begin(self._pilot_rays(seconds))
             if replica == 0:
                 self._step(max(self.pace.least, int(self._pilot_rays(seconds) / self.pace.rays)))
-            self._steps_until(until, until)
+            self._steps_until(until)
             self.session.end_replica()
         self.session.reconstruct()
         for _ in range(FEWEST_PASSES):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,12 +12,12 @@ import lumel
 from lumel import schedule
 
 
-def chosen(monkeypatch: pytest.MonkeyPatch, costs: Mapping[str, float] | None = None, **settings: object) -> lumel.Result:
+def chosen(monkeypatch: pytest.MonkeyPatch, costs: Mapping[str, float] | None = None, **settings: Any) -> lumel.Result:
     """A short render with trials; of these costs, where they are given."""
     monkeypatch.setattr(schedule, "SHORTEST_WITH_TRIAL", 0.5)
     if costs:
         monkeypatch.setattr(schedule.Schedule, "_try_transport", lambda _self, transport, _seconds: costs[transport])
-    return lumel.render(lumel.load("lumel:cornell"), time=1.0, size=(32, 24), patches=500, **settings)  # type: ignore[arg-type]
+    return lumel.render(lumel.load("lumel:cornell"), time=1.0, size=(32, 24), patches=500, **settings)
 
 
 @pytest.mark.parametrize(

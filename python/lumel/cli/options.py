@@ -38,7 +38,10 @@ Time = Annotated[float | None, typer.Option("--time", metavar="SECONDS", help="W
 Error = Annotated[float | None, typer.Option("--error", metavar="E", help="Stop when the relative error of the picture is below E.")]
 Patches = Annotated[str | None, typer.Option("--patches", metavar="N", help="About so many patches in all.")]
 Adaptive = Annotated[
-    bool | None, typer.Option("--adaptive/--no-adaptive", help="Small patches where the light varies; on by default, but with bundles.")
+    bool | None,
+    typer.Option(
+        "--adaptive/--no-adaptive", help="Small patches where the light varies; on by default, but in short renders and with bundles."
+    ),
 ]
 Quality = Annotated[str | None, typer.Option("--quality", metavar="draft|medium|high", help="Work without a budget; medium by default.")]
 Camera = Annotated[

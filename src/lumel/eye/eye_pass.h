@@ -15,7 +15,7 @@ struct EyePassConfig {
     uint32_t samples = 16;      ///< of this pass, for the mean pixel (see `samples_of_pass`), spread over the pixel (box filter)
     bool direct_light = true;   ///< false without the first shot: then the solution holds the direct light too
     bool gather = true;         ///< gather indirect light where the reconstruction is off; needs direct_light
-    uint64_t stream = 0;        ///< key of the random numbers of this pass
+    uint64_t stream = 0;        ///< key of the random numbers of the picture, whatever the pass
 };
 
 /// Add one pass over the whole picture to `film`. `eye` is the index of the camera among the eyes of the solver; the specular light of what

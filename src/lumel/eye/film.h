@@ -71,8 +71,8 @@ struct PixelPass {
 /// One entry a pixel, row by row from the upper left. A pass counts in a pixel by its samples there.
 struct Film {
     uint32_t width = 0, height = 0;
-    uint32_t passes = 0;            ///< independent passes summed up
-    std::vector<EyeSample> sum;           ///< over the samples of all passes
+    uint32_t passes = 0;                   ///< summed up
+    std::vector<EyeSample> sum;            ///< over the samples of all passes
     std::vector<PassMoments> uncorrected;  ///< radiance without correction
     std::vector<Gathered> diffuse, specular;
     std::vector<Correction> correction;

@@ -23,10 +23,9 @@ public:
     /// Variance of `mean`; 0 with fewer than two passes. A pass counts by the square of its size, as its error does in the mean: so large
     /// passes, which are spread well, say how good the whole is. Without bias if samples were independent.
     Rgb variance() const {
-        const float scale = count_ * count_ - count2_;
-        if (!(scale > 0)) return {};
+        if (!has_spread()) return {};
         const Rgb m = mean(), spread = squares_ - m * sum2_ * 2 + m * m * count2_;
-        return Rgb{std::max(0.0f, spread.x), std::max(0.0f, spread.y), std::max(0.0f, spread.z)} / scale;
+        return Rgb{std::max(0.0f, spread.x), std::max(0.0f, spread.y), std::max(0.0f, spread.z)} / (count_ * count_ - count2_);
     }
 
 private:
