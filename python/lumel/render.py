@@ -13,6 +13,7 @@ import numpy as np
 
 from . import _core
 from .core import camera_to_core, to_core, wanted_patches
+from .error_bars import errors
 from .errors import SettingsError
 from .progress import Progress
 from .result import Patches, Result
@@ -119,8 +120,8 @@ def render(
     # Bundles, which may be chosen in a trial, know even patches alone.
     is_tried = settings.is_free and has_time_for_trial(time)
     schedule = Schedule(
-        session(many if settings.wants_adaptive and not is_tried else 0), len(cameras), settings.first_transport, is_tried,
-        iteration == "plain", started, progress, interrupted or (lambda: False),
+        session(many if settings.wants_adaptive and not is_tried else 0), len(cameras), sum(c.width * c.height for c in cameras),
+        settings.first_transport, is_tried, iteration == "plain", started, progress, interrupted or (lambda: False),
     )  # fmt: skip
     if settings.wants_adaptive:
         schedule.refine = lambda: session(many)
@@ -130,7 +131,7 @@ def render(
     def result(explained: bool) -> Result:
         session, core = schedule.session, schedule.session.scene
         pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
-        schedule.error = math.hypot(*schedule.errors())
+        schedule.error = math.hypot(*errors(session, len(cameras)))
         stats = _stats(session, schedule, clock.monotonic() - started, core)
         used = replace(settings, transport=schedule.transport)
         notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(used, stats), *_bundled(used, stats))
@@ -150,8 +151,10 @@ def _work(schedule: Schedule, settings: Settings) -> None:
         schedule.by_time(settings.time)
     elif settings.error is not None:
         schedule.by_error(settings.error)
+    elif given := settings.rays or settings.directions:
+        schedule.by_work(given, work.samples)
     else:
-        schedule.by_work(settings.rays or settings.directions or _work_of(work, settings, schedule.patches), work.samples)
+        schedule.by_quality(_work_of(work, settings, schedule.patches), work.samples)
 
 
 def _work_of(quality: Quality, settings: Settings, patches: int) -> int:

@@ -6,21 +6,20 @@ import math
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Literal
-
-import numpy as np
+from dataclasses import dataclass, field
 
 from . import _core
+from .error_bars import errors
+from .pace import BUNDLES, PLAIN, RAYS, RAYS_PER_STEP, Clock, Pace, WallClock, WorkClock
 from .progress import Phase, Progress
 
 REPLICAS = 16  # independent solves that error bars rest on
 FEWEST_REPLICAS = 4
-RAYS_PER_STEP = 1 << 20
 LARGEST_SOLVE = 2  # times RAYS_PER_STEP, or the rays that the patches need, that the solve of a replica may be as large as
 RAYS_PER_PATCH = 8  # of a replica: below this, fewer replicas are better
 SOLVE_SHARE = 0.25  # of a replica's time, for its own solution by power (transports `rays` and `bundles`)
 SHOOT_SHARE = 0.4  # of the time that is left after the scene is ready, while nothing is known of it
+SHOOT_SHARES = (0.3, 0.6)  # that a look may choose: what is rare, it has not seen, and between these the error hardly changes
 LOOK_AFTER = 3  # replicas, a first look at the pictures divides the time
 LOOK_SAMPLES = 2  # a pixel and pass of that look
 SHORTEST_LOOK = 1.0  # s that must be left for a look to pay
@@ -33,23 +32,8 @@ CLEARLY = 0.7  # of the error of `rays` times time: what is less pays
 PASS_SAMPLES = 16  # of the largest pass of the eye, for the mean pixel; passes grow to it, since what each saw tells where to look next
 INTERRUPTED_SAMPLES = 8  # a pixel at least, after an interruption
 FEWEST_PASSES = 2  # the spread of the passes is part of the error bars
-
-
-@dataclass(frozen=True)
-class Pace:
-    """How the work of a transport, in units of its own, is dealt out."""
-
-    unit: Literal["rays", "directions"]
-    per_replica: int  # below this, fewer replicas are better
-    most_per_replica: int  # above this, more replicas are better: what a replica solved stays as it is
-    per_step: int  # between two looks at the clock
-    least: int  # of a step
-    rays: float  # shot in the time of a unit, about: to know the size of a solve before anything was timed
-
-
-RAYS = Pace("rays", 100_000, 1 << 25, RAYS_PER_STEP, 256, 1.0)
-BUNDLES = Pace("directions", 64, 1 << 14, 128, 1, 10_000.0)
-PLAIN = replace(BUNDLES, per_replica=1024)  # bundles as the paper iterates them: many directions pass before a replica has settled
+RAYS_PER_SAMPLE = 3.5  # of the eye: rays that could be shot in its time, see docs/performance.md
+RAYS_PER_PATCH_LIT = 8  # the same of the first shot of a replica, for every patch
 
 
 def has_time_for_trial(seconds: float | None) -> bool:
@@ -64,6 +48,7 @@ class Schedule:
 
     session: _core.Session
     cameras: int
+    pixels: int  # of all cameras
     transport: str
     free: bool  # shall the transport be chosen in a trial, if a time is the budget?
     plain: bool  # are bundles iterated plainly?
@@ -76,8 +61,11 @@ class Schedule:
     was_interrupted: bool = False
     why: str = ""  # the transport was chosen
     _drafted: float = field(default=0.0, init=False)  # seconds after the start
-    _end: float = field(default=math.inf, init=False)  # of the time, on time.monotonic()
-    _shooting_s: float = field(default=0.0, init=False)
+    _clock: Clock = field(default_factory=WallClock, init=False)  # of the budget
+    _begun: float = field(default=0.0, init=False)  # on that clock: the work
+    _end: float = field(default=math.inf, init=False)  # and the time
+    _shot: float = field(default=0.0, init=False)  # seconds of that clock spent shooting
+    _shooting_s: float = field(default=0.0, init=False)  # the same by the wall
     _step_speed: float = field(default=0.0, init=False)  # work a second of the last step
     _solve_speed: float = field(default=0.0, init=False)  # rays a second of the last solve
 
@@ -97,22 +85,32 @@ class Schedule:
         self._see(samples)
 
     def by_time(self, seconds: float) -> None:
-        """Shoot and see until `seconds` after the start. The share of each follows from what it brought in a first look."""
-        end = self._end = self.started + seconds
+        """Shoot and see until `seconds` after the start."""
+        self._begun = self.started
+        self._divide(seconds)
+
+    def by_quality(self, work: int, samples: int) -> None:
+        """Do as much as it takes to shoot `work` rays, or cast as many bundles, and to see with `samples` samples a pixel."""
+        self._clock = WorkClock()
+        self._divide((work * self.pace.rays + self._rays_of_eye(samples)) / WorkClock.SPEED)
+
+    def _divide(self, seconds: float) -> None:
+        """Spend `seconds` of the clock on shooting and seeing. The share of each follows from what it brought in a first look."""
+        end = self._end = self._begun + seconds
         if seconds >= SHORTEST_WITH_DRAFT:
             self._first_draft()
         if self.free:
             self._choose_transport(seconds * TRIAL_SHARE)
-        begin = time.monotonic()
+        begin = self._clock.now()
         stop = begin + max(0.0, end - begin) * SHOOT_SHARE
         replicas, replica = 1, 0
         while replica < replicas and not (replica > 0 and self._stop()):
             # The start of the first replica tells what a start costs, and its first step how fast work is.
-            before = time.monotonic()
+            before = self._clock.now()
             slot = max(0.0, stop - before) / (replicas - replica)
             self._begin(self._pilot_rays(seconds) if replica == 0 else int(slot * SOLVE_SHARE * self._solve_speed))
             if replica == 0:
-                started = time.monotonic() - before
+                started = self._clock.now() - before
                 self._step(max(self.pace.least, int(self._pilot_rays(seconds) / self.pace.rays)))
                 replicas = self._replicas(int((stop - begin) * self._step_speed), int((stop - begin) / 4 / max(started, 1e-3)))
                 slot = (stop - begin) / replicas
@@ -121,9 +119,9 @@ class Schedule:
             replica += 1
             self._draft_of_fields()
             if replica == LOOK_AFTER and replicas > LOOK_AFTER:
-                each = (time.monotonic() - begin) / replica
+                each = (self._clock.now() - begin) / replica
                 stop = begin + (end - begin) * self._shoot_share(end)
-                replicas = replica + max(0, round((stop - time.monotonic()) / each))
+                replicas = replica + max(0, round((stop - self._clock.now()) / each))
         self.session.reconstruct()
         self._see_until(end)
 
@@ -139,7 +137,7 @@ class Schedule:
                 self._draft_of_fields()
             self.session.reconstruct()
             self._see(samples)
-            solution, eye = self.errors()
+            solution, eye = errors(self.session, self.cameras)
             self.error = math.hypot(solution, eye)
             if self.error <= target or self.was_interrupted:
                 return
@@ -171,21 +169,6 @@ class Schedule:
         """Work a second, over the time spent shooting."""
         return self.work / self._shooting_s if self._shooting_s > 0 else 0.0
 
-    def errors(self) -> tuple[float, float]:
-        """Relative error sqrt(mean(stderr^2 / (I^2 + e))), e = 0.01 mean(I)^2, over all cameras: of the solution and of the eye."""
-        parts = []
-        for camera in range(self.cameras):
-            layers = self.session.layers(camera)
-            image = sum(layers[name].astype(np.float64) for name in ("emission", "direct", "indirect.diffuse", "indirect.specular"))
-            scale = image**2 + 0.01 * np.mean(image) ** 2
-            if not np.any(scale > 0):
-                return 0.0, 0.0
-            solution = layers["stderr.solution"].astype(np.float64) ** 2
-            total = layers["stderr"].astype(np.float64) ** 2
-            parts.append((np.mean(solution / scale), np.mean(np.maximum(total - solution, 0) / scale)))
-        solved, seen = np.mean(parts, axis=0)
-        return math.sqrt(solved), math.sqrt(seen)
-
     # Steps
 
     def _replica(self, work: int, fraction: Callable[[], float]) -> None:
@@ -209,30 +192,45 @@ class Schedule:
         """Take as many steps, as large as may be, as fit before the time `until`; at least one in a replica."""
         first = self.session.steps == 0
         while True:
-            room = (until - time.monotonic()) * self._step_speed
+            room = (until - self._clock.now()) * self._step_speed
             if not first and (room < self.pace.per_step / 32 or self._stop()):
                 return
             first = False
             parts = max(1, round(room / self._largest_step()))
             self._step(max(4 * self.pace.least, int(room / parts)))
-            self._tell("shoot", (time.monotonic() - self.started) / (self._end - self.started))
+            self._tell("shoot", self._fraction())
 
     def _begin(self, rays: int) -> None:
         """Start a replica, with a solve of about `rays` rays."""
-        before, rays_before = time.monotonic(), self.session.rays
-        self.session.begin_replica(min(rays, LARGEST_SOLVE * max(RAYS_PER_STEP, 2 * self.patches)))
-        seconds = time.monotonic() - before
-        self._shooting_s += seconds
-        self._solve_speed = (self.session.rays - rays_before) / max(seconds, 1e-6)
+        rays_before = self.session.rays
+
+        def solve() -> float:
+            self.session.begin_replica(min(rays, LARGEST_SOLVE * max(RAYS_PER_STEP, 2 * self.patches)))
+            return self.session.rays - rays_before + RAYS_PER_PATCH_LIT * self.patches
+
+        seconds = self._shoot(solve)
+        self._solve_speed = (self.session.rays - rays_before) / seconds
 
     def _step(self, work: int) -> None:
-        before, work_before = time.monotonic(), self.work
-        self.session.step(work)
-        seconds = time.monotonic() - before
-        self._shooting_s += seconds
-        self._step_speed = (self.work - work_before) / max(seconds, 1e-6)
+        work_before = self.work
+
+        def step() -> float:
+            self.session.step(work)
+            return work * self.pace.rays
+
+        seconds = self._shoot(step)
+        self._step_speed = (self.work - work_before) / seconds
         if self.transport == "rays":
             self._solve_speed = self._step_speed
+
+    def _shoot(self, work: Callable[[], float]) -> float:
+        """Do some work, which says how many rays take as long; gives its seconds on the clock."""
+        before, wall = self._clock.now(), time.monotonic()
+        self._clock.spend(work())
+        seconds = max(1e-6, self._clock.now() - before)
+        self._shot += seconds
+        self._shooting_s += time.monotonic() - wall
+        return seconds
 
     def _see(self, samples: int) -> None:
         """`samples` samples a pixel for every camera; after an interruption as few as make a picture."""
@@ -252,13 +250,13 @@ class Schedule:
         cost = 0.0  # seconds a sample
         while True:
             size = self._next_pass(done)
-            room = (end - time.monotonic()) / cost if passes else 1.0
+            room = (end - self._clock.now()) / cost if passes else 1.0
             if passes >= FEWEST_PASSES and (self._stop() or room < size / 4):
                 return
             size = max(1, min(size, int(room)))
-            cost = self._pass(size) / size
+            cost = self._timed_pass(size) / size
             done, passes = done + size, passes + 1
-            self._tell("eye", min(1.0, (time.monotonic() - self.started) / (end - self.started)))
+            self._tell("eye", self._fraction())
             self._draft_of_films(passes)
 
     @staticmethod
@@ -281,7 +279,7 @@ class Schedule:
         """Squared relative error of the solution that a transport reaches, times the seconds that this took."""
         self._use_transport(transport)
         for replica in range(TRIAL_REPLICAS):
-            until = time.monotonic() + seconds / TRIAL_REPLICAS
+            until = self._clock.now() + seconds / TRIAL_REPLICAS
             self._begin(self._pilot_rays(seconds))
             if replica == 0:
                 self._step(max(self.pace.least, int(self._pilot_rays(seconds) / self.pace.rays)))
@@ -290,12 +288,12 @@ class Schedule:
         self.session.reconstruct()
         for _ in range(FEWEST_PASSES):
             self._pass(1)
-        solution, _ = self.errors()
-        return solution**2 * self._shooting_s
+        solution, _ = errors(self.session, self.cameras)
+        return solution**2 * self._shot
 
     def _use_transport(self, transport: str) -> None:
         self.session.change_transport(transport)
-        self.transport, self._shooting_s, self._step_speed, self._solve_speed = transport, 0.0, 0.0, 0.0
+        self.transport, self._shooting_s, self._shot, self._step_speed, self._solve_speed = transport, 0.0, 0.0, 0.0, 0.0
 
     def _first_draft(self) -> None:
         """A picture of few rays, soon after the start. What it shot is forgotten, so that the result is the same without it."""
@@ -336,23 +334,36 @@ class Schedule:
 
         With errors that fall as 1/time, shooting and seeing should take times in proportion to the square roots of error^2 time.
         """
-        if end - time.monotonic() < SHORTEST_LOOK:
+        if end - self._clock.now() < SHORTEST_LOOK:
             return SHOOT_SHARE
         self.session.reconstruct()
-        seeing = sum(self._pass(LOOK_SAMPLES) for _ in range(FEWEST_PASSES))
-        if seeing > 0.1 * (end - self.started):
+        seeing = sum(self._timed_pass(LOOK_SAMPLES) for _ in range(FEWEST_PASSES))
+        if seeing > 0.1 * (end - self._begun):
             return SHOOT_SHARE
-        solution, eye = self.errors()
+        solution, eye = errors(self.session, self.cameras)
         self.error = math.hypot(solution, eye)
-        shoot, see = solution * math.sqrt(self._shooting_s), eye * math.sqrt(seeing)
-        return min(0.85, max(0.25, shoot / (shoot + see))) if shoot + see > 0 else SHOOT_SHARE
+        shoot, see = solution * math.sqrt(self._shot), eye * math.sqrt(seeing)
+        return min(SHOOT_SHARES[1], max(SHOOT_SHARES[0], shoot / (shoot + see))) if shoot + see > 0 else SHOOT_SHARE
 
-    def _pass(self, samples: int) -> float:
-        """One pass for every camera; gives the seconds that it took."""
-        before = time.monotonic()
+    def _pass(self, samples: int) -> None:
+        """One pass for every camera."""
         for camera in range(self.cameras):
             self.session.eye_pass(camera, samples)
-        return max(1e-6, time.monotonic() - before)
+
+    def _timed_pass(self, samples: int) -> float:
+        """The same; gives the seconds that it took."""
+        before = self._clock.now()
+        self._pass(samples)
+        self._clock.spend(self._rays_of_eye(samples))
+        return max(1e-6, self._clock.now() - before)
+
+    def _rays_of_eye(self, samples: int) -> float:
+        """Rays that could be shot in the time of `samples` samples a pixel."""
+        return RAYS_PER_SAMPLE * samples * self.pixels
+
+    def _fraction(self) -> float:
+        """Of the time of the budget."""
+        return min(1.0, (self._clock.now() - self._begun) / (self._end - self._begun))
 
     # Sizes
 

@@ -17,7 +17,8 @@ constexpr float kNear = 0.05f;         // share of rays that must have met somet
 constexpr float kEnough = 24;  // gathering samples a pixel: with fewer, less is believed, for rare bright rays may not have come yet
 constexpr float kProbed = 64;  // gathering samples around that met nothing near: hardly any will
 constexpr float kMostBeyond = 2.5f;  // root mean squares that a pixel may differ from those around: rare bright rays differ by more,
-constexpr float kSure = 4;          // but not by so many of their own standard errors
+constexpr float kSure = 4;          // but not by so many standard errors
+constexpr float kPassesToBeSure = 4;  // a few passes may agree by chance
 constexpr float kChance = 1;     // standard errors that chance may explain
 
 /// Do two pixels see surfaces whose light is about equally well reconstructed?
@@ -33,13 +34,13 @@ bool alike(const Film& film, size_t pixel, size_t other) {
 /// One kind of indirect light at a pixel: the mean excess, the variance of that mean, the light itself, how much is near.
 struct Difference {
     Rgb mean, variance;
-    float light = 0, near = 0, samples = 0;
+    float light = 0, near = 0, samples = 0, passes = 0;
 };
 
 Difference difference(const Gathered& gathered, float light) {
     const float samples = gathered.excess.count();
     if (!gathered.excess.has_spread()) return {};
-    return {gathered.excess.mean(), gathered.excess.variance(), light, gathered.near / samples, samples};
+    return {gathered.excess.mean(), gathered.excess.variance(), light, gathered.near / samples, samples, gathered.excess.passes()};
 }
 
 /// lum of a variance, as if its channels were one.
@@ -67,13 +68,19 @@ Part part(const Difference& own, std::span<const Difference> around, float usual
     for (const Difference& d : around) mean += d.mean, variance += d.variance, near += d.near, light += sqr(d.light), samples += d.samples;
     mean *= 1 / count, variance *= 1 / count, near /= count, light /= count, samples /= count;
     if (!(near > kNear)) return {};
-    for (const Difference& d : around) beyond += sqr(lum(d.mean - mean)) / count;
+    // What it has beyond them is judged by what the others have: a rare bright ray is no witness for itself, unless it comes again and
+    // again.
+    const float others = std::max(1.0f, count - 1);
+    const Rgb mean_of_others = (mean * count - own.mean) / others, differs = own.mean - mean;
+    for (const Difference& d : around) beyond += sqr(lum(d.mean - mean_of_others)) / others;
+    beyond = std::max(0.0f, beyond - sqr(lum(own.mean - mean_of_others)) / others);
     const float trust = std::min(1.0f, near / kNear - 1) * std::min(1.0f, samples / kEnough),
-                of_one = std::max(noise(variance), usual * light);
-    const float smooth = trust * share(sqr(lum(mean)), of_one / count, 1, passes), single = trust * share(beyond, of_one, count, passes);
-    const Rgb differs = own.mean - mean;
+                of_one = std::max(noise(variance), usual * light), own_noise = std::max(noise(own.variance), of_one);
     const float size = std::abs(lum(differs)), usual_size = kMostBeyond * std::sqrt(beyond);
-    const float limit = size <= usual_size || sqr(size) > sqr(kSure) * noise(own.variance) ? 1.0f : usual_size / size;
+    const bool is_sure = own.passes >= kPassesToBeSure && sqr(size) > sqr(kSure) * own_noise;
+    const float smooth = trust * share(sqr(lum(mean)), of_one / count, 1, passes),
+                single = trust * (is_sure ? share(sqr(size), own_noise, 1, passes) : share(beyond, of_one, count, passes));
+    const float limit = is_sure || size <= usual_size ? 1.0f : usual_size / size;
     return {mean * smooth + differs * (single * limit), variance * (sqr(smooth) / count + sqr(single)), std::max(smooth, single)};
 }
 

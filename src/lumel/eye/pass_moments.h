@@ -16,6 +16,8 @@ public:
         sum_ += mean * count, sum2_ += mean * (count * count), squares_ += mean * mean * (count * count);
     }
     float count() const { return count_; }
+    /// How many passes of equal size would say as much about the spread.
+    float passes() const { return count2_ > 0 ? count_ * count_ / count2_ : 0; }
     /// Were there two passes, so that `variance` means something?
     bool has_spread() const { return count_ * count_ > count2_; }
     /// Of all samples.
