@@ -125,6 +125,14 @@ def explain(
     )
 
 
+def why_auto(session: _core.Session, cameras: Sequence[Camera]) -> str:
+    """What the estimator `auto` was worth in the areas of the first camera."""
+    story = _areas(session, 0, cameras[0].name, "auto")
+    if story.count == 0:
+        return "nothing glossy is in view that it could serve"
+    return f"chosen area by area; classical would need {story.gain:.2g} times as many samples in the {story.count:,} glossy areas in view"
+
+
 def _bundles(stats: Mapping[str, Any]) -> BundleStory:
     return BundleStory(
         stats["directions"],

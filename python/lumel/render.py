@@ -7,7 +7,7 @@ import math
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,14 +15,12 @@ from . import _core
 from .core import camera_to_core, to_core, wanted_patches
 from .error_bars import errors
 from .errors import SettingsError
+from .explanation import Explanation, explain, why_auto
 from .progress import Progress
 from .result import Patches, Result
 from .scene import FloatArray, Scene
 from .schedule import SHORTEST_WITH_TRIAL, Schedule, has_time_for_trial
 from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, QUALITIES, Quality, Settings
-
-if TYPE_CHECKING:
-    from .explanation import Explanation
 
 WORTH_SAYING = 0.02  # share of flagged areas; up to half of it comes by chance
 PARITY_WORTH_SAYING = 1000.0  # lines of a million
@@ -133,6 +131,8 @@ def render(
         pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
         schedule.error = math.hypot(*errors(session, len(cameras)))
         stats = _stats(session, schedule, clock.monotonic() - started, core)
+        if estimator == "auto":
+            stats["why_estimator"] = why_auto(session, cameras)
         used = replace(settings, transport=schedule.transport)
         notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(used, stats), *_bundled(used, stats))
         story = _explanation(core, session, scene, used, stats) if explained else None
@@ -208,8 +208,6 @@ def scene_hash(scene: Scene) -> str:
 
 
 def _explanation(core: _core.Scene, session: _core.Session, scene: Scene, settings: Settings, stats: dict[str, object]) -> Explanation:
-    from .explanation import explain
-
     return explain(session, scene, core.lamp_areas, settings.cameras(scene), settings.first_transport, settings.estimator, stats)
 
 

@@ -19,6 +19,7 @@ constexpr float kProbed = 64;  // gathering samples around that met nothing near
 constexpr float kMostBeyond = 2.5f;  // root mean squares that a pixel may differ from those around: rare bright rays differ by more,
 constexpr float kSure = 4;          // but not by so many standard errors
 constexpr float kPassesToBeSure = 4;  // a few passes may agree by chance
+constexpr float kCost = 1;       // of a gathering ray, in eye samples without
 constexpr float kChance = 1;     // standard errors that chance may explain
 
 /// Do two pixels see surfaces whose light is about equally well reconstructed?
@@ -128,6 +129,14 @@ struct Differences {
     }
 };
 
+/// Where gathering counts, its rays and eye samples should be in proportion to the square roots of variance over cost. `mended`: variance
+/// of the correction, after so many gathering rays.
+uint32_t best_stride(const Film& film, size_t pixel, Rgb mended, float gathering) {
+    const float of_sample = lum(film.uncorrected[pixel].variance()) * film.samples(pixel), of_ray = lum(mended) * gathering;
+    if (!(of_ray * sqr(float{Correction::kProbe}) > kCost * of_sample)) return Correction::kProbe;
+    return static_cast<uint32_t>(std::max(1.0f, std::round(std::sqrt(kCost * of_sample / of_ray))));
+}
+
 }  // namespace
 
 void correct(Film& film) {
@@ -149,7 +158,7 @@ void correct(Film& film) {
             correction.value = {d.value, s.value};
             correction.stderr_ = square_root(d.variance + s.variance);
             if (light_d + light_s > 0) correction.share = (d.share * light_d + s.share * light_s) / (light_d + light_s);
-            if (d.share > 0 || s.share > 0) correction.stride = 1;
+            if (d.share > 0 || s.share > 0) correction.stride = best_stride(film, pixel, d.variance + s.variance, diffuse.all[pixel].samples);
         }
     });
 }
