@@ -61,11 +61,11 @@ void BundleField::pool_slot(uint32_t slot) {
     cosines(normal_[slot], front);
     for (uint32_t k = first_side_[slot]; k < first_side_[slot + 1]; ++k) {
         const uint32_t side = sides_[k], patch = scene_->patch_of_side(side);
-        const float area = scene_->side_area(side);
+        const float area = scene_->side_area(side), whole = scene_->patch_area(patch);
         cosines(normal_of(side), cosine);
         for (size_t i = 0; i < bundles_.size(); ++i) {
             if (!(front[i] * cosine[i] > 0)) continue;
-            const Rgb irradiance = bundles_[i].irradiance[side] * area;
+            const Rgb irradiance = bundles_[i].irradiance[side] * whole;
             light.r[i] += irradiance.x, light.g[i] += irradiance.y, light.b[i] += irradiance.z;
             light.cosine[i] += bundles_[i].cosine[patch] * area, weight[i] += std::abs(cosine[i]) * area;
         }
@@ -77,7 +77,7 @@ void BundleField::pool_slot(uint32_t slot) {
 }
 
 void BundleField::at(SurfacePoint p, bool back, Light& light) const {
-    const Lattice::Stencil stencil = lattice_->stencil(p);
+    const Lattice::Stencil stencil = lattice_->stencil(p, back);
     const uint32_t side = stencil.patch + (back ? scene_->patches() : 0);
     Lane cosine, front, takes, rest{};
     cosines(normal_of(side), cosine);

@@ -48,11 +48,11 @@ void IrradianceAreas::measure_bundles(const Step& step, uint32_t side) {
     if (step.bundles.empty()) return;
     const uint32_t patch = scene_->patch_of_side(side);
     const Surface x(*scene_, scene_->centre_of_patch(patch), scene_->is_back(side));
-    const double scale = double{scene_->side_area(side)} / step.bundle_density_w();
+    const double scale = double{scene_->patch_area(patch)} / step.bundle_density_w(), open = double{scene_->open_share(side)};
     for (const Bundle& bundle : step.bundles) {
         if (!(bundle.cosine[patch] > 0)) continue;
         const Rgb light = bundle.irradiance[side] * adjoint(x.shading, x.normal, bundle.incoming(x.normal));
-        tally_.add(side, step, to_double(light) * scale, double{bundle.cosine[patch]} / double{kPi} * scale);
+        tally_.add(side, step, to_double(light) * scale, double{bundle.cosine[patch]} / double{kPi} * scale * open);
     }
 }
 

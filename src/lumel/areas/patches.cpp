@@ -66,7 +66,7 @@ void PatchAreas::measure(const Step& step) {
 void PatchAreas::measure_shot(const Step& step, uint32_t area) {
     const uint32_t side = sides_[area], triangle = scene_->triangle_of_side(side);
     const bool back = scene_->is_back(side);
-    const float gather_density = static_cast<float>(step.gather) / scene_->side_area(side);
+    const float gather_density = static_cast<float>(step.gather) / scene_->patch_area(scene_->patch_of_side(side));
     Arrivals arrivals(scene_->material(triangle));
     const auto measure = [&] {
         for (uint32_t eye = 0; eye < eyes(); ++eye) {
@@ -92,7 +92,7 @@ void PatchAreas::look(const Step& step, uint32_t area, uint32_t eye) {
     if (!(albedo_[at(eye, area)] > 0)) return;
     const uint32_t side = sides_[area], patch = scene_->patch_of_side(side);
     const uint64_t stream = key(step.stream, side, eye);
-    const double size = scene_->side_area(side);
+    const double size = scene_->patch_area(patch);
     const bool gathers = step.gather > 0;
     const auto draw = [&](LobeLooks& looks, uint32_t i) {
         const SurfacePoint p = scene_->point_on_patch(patch, square_to_triangle(sobol2d(i, key(stream, 1))));

@@ -158,7 +158,8 @@ void correct(Film& film) {
             correction.value = {d.value, s.value};
             correction.stderr_ = square_root(d.variance + s.variance);
             if (light_d + light_s > 0) correction.share = (d.share * light_d + s.share * light_s) / (light_d + light_s);
-            if (d.share > 0 || s.share > 0) correction.stride = best_stride(film, pixel, d.variance + s.variance, diffuse.all[pixel].samples);
+            if (d.share > 0 || s.share > 0)
+                correction.stride = best_stride(film, pixel, d.variance + s.variance, diffuse.all[pixel].samples);
         }
     });
 }

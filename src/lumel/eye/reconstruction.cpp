@@ -8,6 +8,8 @@ namespace lumel {
 
 namespace {
 
+constexpr double kDivided = 1e-4;
+
 /// For every area, the first slot that it has to itself: on flat facets all three corners are alike, and one estimate serves them.
 std::vector<uint32_t> first_slots_of_single_areas(const Neighbourhood& neighbourhood, uint32_t areas) {
     std::vector<uint32_t> first(areas, Scene::kNone);
@@ -32,7 +34,9 @@ Reconstruction::VertexField Reconstruction::pool(const SideField& field) const {
     for (uint32_t side = 0; side < scene_->sides(); ++side) {
         const uint32_t patch = scene_->patch_of_side(side);
         for (uint32_t vertex : lattice_->corners(patch)) {
-            const double a = double{scene_->side_area(side)} * double{lattice_->weight(vertex, patch)};
+            // A patch that a wall divides has light of both parts: it counts where nothing else is known.
+            const double trust = scene_->cover(side).divides ? kDivided : 1.0,
+                         a = trust * double{scene_->side_area(side)} * double{lattice_->weight(vertex, patch)};
             const uint32_t at = vertex_side(vertex, scene_->is_back(side));
             area[at] += a;
             value[at] += to_double(field.mean[side]) * a;
@@ -90,7 +94,7 @@ void Reconstruction::hang_specular(uint32_t eye) {
 }
 
 Reconstructed Reconstruction::irradiance(SurfacePoint p, bool back) const {
-    const Lattice::Stencil s = lattice_->stencil(p);
+    const Lattice::Stencil s = lattice_->stencil(p, back);
     Reconstructed r;
     for (int k = 0; k < 3; ++k) {
         const uint32_t at = vertex_side(s.vertex[k], back);
@@ -101,7 +105,7 @@ Reconstructed Reconstruction::irradiance(SurfacePoint p, bool back) const {
 }
 
 Rgb Reconstruction::total_irradiance(SurfacePoint p, bool back) const {
-    const Lattice::Stencil s = lattice_->stencil(p);
+    const Lattice::Stencil s = lattice_->stencil(p, back);
     Rgb sum;
     for (int k = 0; k < 3; ++k) {
         const uint32_t at = vertex_side(s.vertex[k], back);
@@ -111,7 +115,7 @@ Rgb Reconstruction::total_irradiance(SurfacePoint p, bool back) const {
 }
 
 std::optional<Reconstructed> Reconstruction::specular(uint32_t eye, SurfacePoint p, bool back) const {
-    const Lattice::Stencil s = lattice_->stencil(p);
+    const Lattice::Stencil s = lattice_->stencil(p, back);
     Reconstructed r;
     float weight = 0;
     for (int k = 0; k < 3; ++k) {

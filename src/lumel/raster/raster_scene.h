@@ -12,8 +12,7 @@ struct RasterTriangle {
     uint32_t closed_surface = 0;      ///< number of it, or RasterScene::kOpen
 };
 
-/// A scene with its closed surfaces: connected triangles of which every edge is met as often one way as the other. A line that crosses a
-/// closed surface enters it as often as it leaves it, in turn, so that gaps show.
+/// A scene with its closed surfaces. A line that crosses one enters it as often as it leaves it, in turn, so that gaps show.
 class RasterScene {
 public:
     static constexpr uint32_t kOpen = 0xffffffffu;

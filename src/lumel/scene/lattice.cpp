@@ -139,7 +139,7 @@ void Lattice::find_hanging() {
         }
 }
 
-Lattice::Stencil Lattice::stencil(SurfacePoint p) const {
+Lattice::Stencil Lattice::stencil(SurfacePoint p, bool back) const {
     const Tessellation& tessellation = scene_->tessellation();
     const Tessellation::InCell in = tessellation.locate(p.triangle, p.u, p.v);
     const uint32_t n = tessellation.divisions(in.cell);
@@ -149,8 +149,14 @@ Lattice::Stencil Lattice::stencil(SurfacePoint p) const {
     // Corners of an inverted patch are (1,1), (0,1), (1,0) of its place.
     const std::array<float, 3> raw = place.inverted ? std::array{fu + fv - 1, 1 - fu, 1 - fv} : std::array{1 - fu - fv, fu, fv};
     Stencil s{tessellation.first_patch_of_cell(in.cell) + place.index(n), corners_in_cell(in.cell, place), {}};
-    float sum = 0;
-    for (int k = 0; k < 3; ++k) sum += s.weight[k] = std::clamp(raw[k], 0.0f, 1.0f);
+    for (int k = 0; k < 3; ++k) s.weight[k] = std::clamp(raw[k], 0.0f, 1.0f);
+    const Cover& cover = scene_->cover(s.patch + (back ? scene_->patches() : 0));
+    const auto nearest = static_cast<int>(std::max_element(s.weight.begin(), s.weight.end()) - s.weight.begin());
+    float open = 0, sum = 0;
+    for (int k = 0; k < 3; ++k) open += cover.corner[k] ? 0.0f : s.weight[k];
+    for (int k = 0; open > 0 && k < 3; ++k)
+        if (cover.corner[k] || (cover.divides && k != nearest && !cover.corner[nearest])) s.weight[k] = 0;
+    for (float weight : s.weight) sum += weight;
     for (float& weight : s.weight) weight /= sum;
     return s;
 }

@@ -19,13 +19,14 @@ public:
     /// Vertices at one place have the same number here, however the surface bends there.
     uint32_t place(uint32_t vertex) const { return place_[vertex]; }
     uint32_t places() const { return places_; }
-    /// Corners and weights (they sum to 1) that interpolate at a point.
+    /// Corners and weights (they sum to 1) that interpolate at a point. A covered corner may have the light from beyond what covers it: its
+    /// weight goes to the others, which keeps the field continuous. Where a wall divides the patch, the nearest corner has it all.
     struct Stencil {
         uint32_t patch;
         std::array<uint32_t, 3> vertex;
         std::array<float, 3> weight;
     };
-    Stencil stencil(SurfacePoint p) const;
+    Stencil stencil(SurfacePoint p, bool back) const;
 
     /// A vertex in the middle of an edge of a coarser cell. A field is linear along that edge, so it has the mean of both ends there.
     struct Hanging {

@@ -146,6 +146,7 @@ void Scene::order_along_curve() {
 
 void Scene::divide(Tessellation tessellation) {
     tessellation_ = std::move(tessellation);
+    covers_.clear();
     first_glossy_.assign(triangles(), kNone);
     glossy_patches_ = 0;
     for (uint32_t t = 0; t < triangles(); ++t) {

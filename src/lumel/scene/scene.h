@@ -55,6 +55,13 @@ struct AreaLamp {
     Distribution by_area;             ///< over `triangles`
 };
 
+/// What keeps light from a side: a closed surface that stands on the patch or cuts it.
+struct Cover {
+    float open_share = 1;            ///< of the side, that light can reach, 0..1
+    std::array<bool, 3> corner{};    ///< those of the patch that no light can reach
+    bool divides = false;            ///< light at one of the other corners need not be that at another: a thin wall stands between
+};
+
 /// One **side** is one face of a patch: index patch for the front, patch + patches() for the back.
 class Scene {
 public:
@@ -104,16 +111,27 @@ public:
     uint32_t triangle_of_side(uint32_t side) const { return triangle_of_patch(patch_of_side(side)); }
     uint32_t triangle_of_patch(uint32_t patch) const { return tessellation_.triangle_of(patch); }
     float patch_area(uint32_t patch) const { return area_[triangle_of_patch(patch)] / tessellation_.share(patch); }
-    float side_area(uint32_t side) const { return patch_area(patch_of_side(side)); }
-    /// Does this side scatter light? The back of a one-sided surface is black.
-    bool scatters(uint32_t side) const { return !is_back(side) || material(triangle_of_side(side)).two_sided; }
+    /// Tell what covers each side.
+    void set_covers(std::vector<Cover> covers) { covers_ = std::move(covers); }
+    const Cover& cover(uint32_t side) const {
+        static constexpr Cover kNothing;
+        return covers_.empty() ? kNothing : covers_[side];
+    }
+    float open_share(uint32_t side) const { return cover(side).open_share; }
+    /// The part of a side that light can reach, m2; the whole patch where that is nothing.
+    float side_area(uint32_t side) const {
+        const float share = open_share(side);
+        return patch_area(patch_of_side(side)) * (share > 0 ? share : 1.0f);
+    }
+    /// Does this side scatter light? The back of a one-sided surface is black, and so is what no light can reach.
+    bool scatters(uint32_t side) const { return (!is_back(side) || material(triangle_of_side(side)).two_sided) && open_share(side) > 0; }
     SurfacePoint point_on_patch(uint32_t patch, Square barycentric) const;
     /// The sides of glossy patches are numbered without gaps as well, for what only they need; kNone for others.
     static constexpr uint32_t kNone = 0xffffffffu;
     uint32_t glossy_sides() const { return 2 * glossy_patches_; }
     uint32_t glossy_index(uint32_t side) const {
         const uint32_t patch = patch_of_side(side), triangle = triangle_of_patch(patch), first = first_glossy_[triangle];
-        if (first == kNone || !scatters(side)) return kNone;
+        if (first == kNone || (is_back(side) && !material(triangle).two_sided)) return kNone;
         return first + (patch - first_patch(triangle)) + (is_back(side) ? glossy_patches_ : 0);
     }
     /// All sides, neighbours together.
@@ -155,6 +173,7 @@ private:
     Tessellation tessellation_;
     std::vector<uint32_t> first_glossy_;  // per triangle
     uint32_t glossy_patches_ = 0;
+    std::vector<Cover> covers_;  // per side, or empty
     SideOrder side_order_;
     std::vector<AreaLamp> area_lamps_;
     LampArrays lamps_;

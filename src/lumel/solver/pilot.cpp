@@ -151,7 +151,7 @@ double Pilot::gloss(const Surface& x, Vec3 wo, uint32_t rays, uint64_t stream) c
 double Pilot::radiosity(const Ray& ray) const {
     const Hit hit = accel_.intersect(ray);
     if (hit.is_miss()) return 0;
-    const Lattice::Stencil s = lattice_.stencil(hit.point());
+    const Lattice::Stencil s = lattice_.stencil(hit.point(), hit.back);
     double all = 0;
     for (size_t k = 0; k < 3; ++k) all += double{s.weight[k]} * radiosity_[s.vertex[k] + (hit.back ? size_t{lattice_.size()} : 0)];
     return all;

@@ -2,6 +2,7 @@
 
 #include "lumel/sampling/hash.h"
 #include "lumel/solver/refine.h"
+#include "lumel/transport/covers.h"
 
 namespace lumel {
 
@@ -39,6 +40,7 @@ Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& 
     const bool covered = (config_.solver.gather > 0 || is_classical || transport() == Transport::kBundles) &&
                          !config_.weight_diffuse.value_or(false);
     if (config_.solver.defensive < 0) config_.solver.defensive = covered ? 0 : defensive_.open() ? kDefensiveOpen : kDefensiveClosed;
+    scene_.set_covers(find_covers(accel_, defensive_));
     const bool in_pixels = config.areas == AreaKind::kPixels;
     PatchAreas patches(scene_, eyes_of(cameras_), in_pixels ? std::vector<uint32_t>{} : visible_glossy_sides(accel_, lattice_, cameras_));
     solver_.emplace(accel_, defensive_, config_.solver, std::move(patches));

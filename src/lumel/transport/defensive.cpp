@@ -60,10 +60,13 @@ DefensiveStarts survey(const Accel& accel, uint64_t seed) {
     });
     for (const AreaLamp& lamp : scene.area_lamps()) reached[size_t{lamp.shape} * 2].store(1);
 
+    starts.reached.assign(reached.begin(), reached.end());
+
     // What a perfect mirror reflects has its density already: starts on it would count its directions twice.
     starts.by_area = Distribution(scene.sides(), [&](uint32_t side) {
         if (scene.scatters(side) && scene.material(scene.triangle_of_side(side)).is_perfect_mirror()) return 0.0f;
-        return reached[size_t{scene.shape(scene.triangle_of_side(side))} * 2 + scene.is_back(side)] ? scene.side_area(side) : 0.0f;
+        const bool is_reached = starts.reached[size_t{scene.shape(scene.triangle_of_side(side))} * 2 + scene.is_back(side)];
+        return is_reached ? scene.patch_area(scene.patch_of_side(side)) : 0.0f;
     });
     if (static_cast<double>(escapes) > kLeak * static_cast<double>(steps)) starts.sphere_area = 4 * double{kPi} * sqr(scene.radius());
     return starts;

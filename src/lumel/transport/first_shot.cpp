@@ -34,7 +34,7 @@ class LampRecorder {
 public:
     LampRecorder(const Scene& scene, uint32_t side, uint32_t count, Emitters& emitters)
         : material_(scene.material(scene.triangle_of_side(side))),
-          area_(scene.side_area(side) / static_cast<float>(count)),
+          area_(scene.patch_area(scene.patch_of_side(side)) / static_cast<float>(count)),
           records_(emitters.open_records(scene, side)) {}
 
     void operator()(uint32_t i, const DirectSample& direct) const {
@@ -72,7 +72,7 @@ std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& re
             sum += direct.irradiance;
             if (i < kLampRecords) record(i, direct);
         }
-        irradiance[side] = (sum * (1.0 / samples)).to_float();
+        irradiance[side] = (sum * (1.0 / (samples * double{scene.open_share(side)}))).to_float();
     });
     return irradiance;
 }
@@ -92,7 +92,7 @@ std::vector<Rgb> emitted_flux(const Scene& scene) {
     for (const AreaLamp& lamp : scene.area_lamps())
         for (uint32_t triangle : lamp.triangles) {
             const uint32_t first = scene.first_patch(triangle), end = first + scene.tessellation().count(triangle);
-            for (uint32_t patch = first; patch < end; ++patch) flux[patch] = lamp.radiance * (kPi * scene.patch_area(patch));
+            for (uint32_t patch = first; patch < end; ++patch) flux[patch] = lamp.radiance * (kPi * scene.side_area(patch));
         }
     return flux;
 }

@@ -21,7 +21,8 @@ void receive(const Scene& scene, std::span<const Bundle> bundles, Square at, std
             const Surface x(scene, scene.point_on_patch(scene.patch_of_side(side), at), scene.is_back(side));
             Rgb64 sum;
             for (const Bundle& bundle : bundles) sum += sampled_irradiance(bundle, side, x);
-            received[side] += (sum * (double{scene.side_area(side)} / static_cast<double>(bundles.size()))).to_float();
+            received[side] +=
+                (sum * (double{scene.patch_area(scene.patch_of_side(side))} / static_cast<double>(bundles.size()))).to_float();
         }
     });
 }

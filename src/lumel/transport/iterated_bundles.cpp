@@ -104,21 +104,21 @@ void IteratedBundles::take_bundles(Square at, uint64_t stream) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene_->sides(), 512), [&](const auto& range) {
         for (uint32_t side = range.begin(); side < range.end(); ++side) {
             const Surface x(*scene_, scene_->point_on_patch(scene_->patch_of_side(side), at), scene_->is_back(side));
-            const bool glossy = scene_->glossy_index(side) != Scene::kNone;
-            const float share = scene_->side_area(side) / static_cast<float>(chains_.size());
+            const bool scatters = scene_->scatters(side), glossy = scene_->glossy_index(side) != Scene::kNone;
+            const float share = scene_->patch_area(scene_->patch_of_side(side)) / static_cast<float>(chains_.size());
             std::array<Record, kMostChains> arrived;
             Rgb64 sum;
             double power = 0;
             for (size_t i = 0; i < chains_.size(); ++i) {
                 const Rgb irradiance = sampled_irradiance(bundles_[i], side, x);
-                chains_[i].irradiance[side] = x.scatters ? irradiance : Rgb{};
+                chains_[i].irradiance[side] = scatters ? irradiance * (1 / scene_->open_share(side)) : Rgb{};
                 const Vec3 wi = bundles_[i].incoming(x.normal);
                 const Rgb flux = irradiance * share;
                 arrived[i] = {wi, flux, glossy ? lum(flux * x.material->albedo_s(dot(x.shading, wi))) : 0.0f};
                 sum += flux, power += double{arrived[i].power};
             }
             received_[side] += sum.to_float();
-            reflected_.diffuse[side] = x.scatters ? sum.to_float() * x.material->diffuse : Rgb{};
+            reflected_.diffuse[side] = scatters ? sum.to_float() * x.material->diffuse : Rgb{};
             reflected_.clear_records(*scene_, side);
             if (!(power > 0)) continue;
             draw_records(std::span(arrived).first(chains_.size()), power, key(stream, side), reflected_.open_records(*scene_, side));

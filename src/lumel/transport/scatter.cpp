@@ -95,8 +95,10 @@ void draw_records(const std::vector<Light>& lights, double share, uint64_t strea
 void scatter_group(const Scene& scene, const Transfers& transfers, std::span<const uint32_t> sides, uint64_t stream,
                    std::vector<Rgb>& received, Emitters& next, std::vector<Light>& lights) {
     const double small_area = scene.total_area() / scene.patches() * kSmall;
-    const auto is_small = [&](uint32_t side) { return sides.size() > 1 && double{scene.side_area(side)} < small_area; };
-    const auto takes_part = [&](uint32_t side) { return is_small(side) || !transfers.group(side).empty(); };
+    const auto is_small = [&](uint32_t side) {
+        return sides.size() > 1 && scene.open_share(side) > 0 && double{scene.patch_area(scene.patch_of_side(side))} < small_area;
+    };
+    const auto takes_part = [&](uint32_t side) { return scene.scatters(side) && (is_small(side) || !transfers.group(side).empty()); };
     double area = 0, area_of_small = 0;
     Rgb64 light_of_small;
     lights.clear();
@@ -113,7 +115,7 @@ void scatter_group(const Scene& scene, const Transfers& transfers, std::span<con
                     lights.push_back({transfer.wi, light.flux, (lights.empty() ? 0.0 : lights.back().power_so_far) + double{light.power}});
             }
         }
-        received[side] = sum.to_float();
+        received[side] = scene.open_share(side) > 0 ? sum.to_float() : Rgb{};
         if (is_small(side)) light_of_small += sum, area_of_small += double{scene.side_area(side)};
         if (takes_part(side)) area += double{scene.side_area(side)};
     }

@@ -7,7 +7,7 @@ SideSource::SideSource(const Scene& scene, const Emitters& emitters, uint32_t si
       material_(&scene.material(scene.triangle_of_side(side))),
       side_(side),
       area_(scene.side_area(side)),
-      density_(static_cast<float>(rays_per_watt / area_)),
+      density_(static_cast<float>(rays_per_watt) / scene.patch_area(scene.patch_of_side(side))),
       normal_(scene.geometric_normal(scene.triangle_of_side(side)) * (scene.is_back(side) ? -1.0f : 1.0f)),
       diffuse_(emitters.diffuse[side] * (kInvPi / area_)),
       homogeneous_(emitters.homogeneous),

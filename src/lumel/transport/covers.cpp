@@ -1,0 +1,128 @@
+#include "lumel/transport/covers.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "lumel/sampling/hash.h"
+#include "lumel/sampling/warp.h"
+#include "lumel/scene/closed_surfaces.h"
+#include "lumel/scene/surface.h"
+
+namespace lumel {
+
+namespace {
+
+constexpr uint32_t kFewPoints = 8, kManyPoints = 64;  // of a side; many where some of the few are covered
+constexpr uint32_t kRays = 8;                         // of a point that is looked at closely
+constexpr float kLeastShare = 1.0f / 32;
+constexpr float kWithin = 0.02f;  // how far corners are looked at from within, of their distance to the middle
+constexpr float kStep = 0.2f;     // between open points of one part, of the edge
+
+/// Which faces no light can reach, 2 triangle + back.
+std::vector<uint8_t> sealed_faces(const Scene& scene, const DefensiveStarts& starts) {
+    std::vector<uint8_t> sealed(size_t{scene.triangles()} * 2);
+    const std::vector<uint32_t> closed = closed_surfaces(scene);
+    for (uint32_t t = 0; t < scene.triangles(); ++t)
+        for (uint32_t back : {0u, 1u})
+            sealed[size_t{t} * 2 + back] = closed[t] != Scene::kNone && !starts.reached[size_t{scene.shape(t)} * 2 + back];
+    return sealed;
+}
+
+/// Looks from points of one side at what covers them. One ray tells, but where faces lie in each other it may meet the other one, so that
+/// a few are needed to be sure.
+class Probes {
+public:
+    Probes(const Accel& accel, const std::vector<uint8_t>& sealed, uint32_t side) : accel_(accel), sealed_(sealed), side_(side) {}
+
+    bool any(uint32_t points, uint32_t rays) const {
+        for (uint32_t i = 0; i < points; ++i)
+            if (is_covered(point(i), i, rays)) return true;
+        return false;
+    }
+    bool all(uint32_t points, uint32_t rays) const {
+        for (uint32_t i = 0; i < points; ++i)
+            if (!is_covered(point(i), i, rays)) return false;
+        return true;
+    }
+    /// Look closely, at the corners first. Where the covered part divides the rest, nobody knows which part has the light. Then all counts
+    /// as open: light that is lost does less harm than light that goes through a wall.
+    Cover look() const {
+        constexpr float in = kWithin / 3, at = 1 - kWithin + in;
+        std::array<Square, 3 + kManyPoints> where{{{in, in}, {at, in}, {in, at}}};
+        std::array<bool, 3 + kManyPoints> covered{};
+        Cover cover;
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < where.size(); ++i) {
+            if (i >= 3) where[i] = point(i - 3);
+            covered[i] = is_covered(where[i], i, kRays);
+            if (i < 3)
+                cover.corner[i] = covered[i];
+            else
+                count += covered[i];
+        }
+        cover.divides = is_divided(where, covered);
+        if (!cover.divides)
+            cover.open_share = count == kManyPoints ? 0 : std::max(kLeastShare, 1 - static_cast<float>(count) / kManyPoints);
+        return cover;
+    }
+
+private:
+    /// Do short steps over open points lead from one open corner to all others?
+    template <size_t n>
+    static bool is_divided(const std::array<Square, n>& where, const std::array<bool, n>& covered) {
+        const auto start = static_cast<uint32_t>(std::find(covered.begin(), covered.begin() + 3, false) - covered.begin());
+        if (start == 3) return false;
+        std::array<uint32_t, n> way{start};
+        std::array<bool, n> met = covered;
+        met[start] = true;
+        for (uint32_t next = 0, found = 1; next < found; ++next)
+            for (uint32_t i = 0; i < n; ++i) {
+                const float du = where[i].u - where[way[next]].u, dv = where[i].v - where[way[next]].v;
+                if (!met[i] && du * du + dv * dv < sqr(kStep)) way[found++] = i, met[i] = true;
+            }
+        return !(met[0] && met[1] && met[2]);
+    }
+    Square point(uint32_t i) const { return square_to_triangle(sobol2d(i, key(0x0Eu, side_))); }
+    bool is_covered(Square at, uint32_t number, uint32_t rays) const {
+        const Scene& scene = accel_.scene();
+        const Surface x(scene, scene.point_on_patch(scene.patch_of_side(side_), at), scene.is_back(side_));
+        const Frame frame(x.normal);
+        for (uint32_t i = 0; i < rays; ++i) {
+            const Vec3 w = frame.to_world(square_to_cosine_hemisphere(sobol2d(number * kRays + i, key(0x0Fu, side_))));
+            const Hit hit = accel_.intersect({x.off(scene.epsilon()), w});
+            if (!hit.is_miss() && sealed_[size_t{hit.triangle} * 2 + hit.back]) return true;
+        }
+        return false;
+    }
+
+    const Accel& accel_;
+    const std::vector<uint8_t>& sealed_;
+    uint32_t side_;
+};
+
+Cover cover(const Probes& probes) {
+    if (!probes.any(kFewPoints, 1)) return {};
+    return probes.all(kFewPoints, kRays) ? Cover{0} : probes.look();
+}
+
+}  // namespace
+
+std::vector<Cover> find_covers(const Accel& accel, const DefensiveStarts& starts) {
+    const Scene& scene = accel.scene();
+    if (starts.reached.empty()) return {};
+    const std::vector<uint8_t> sealed = sealed_faces(scene, starts);
+    if (std::find(sealed.begin(), sealed.end(), 1) == sealed.end()) return {};
+    std::vector<Cover> covers(scene.sides());
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 256), [&](const auto& range) {
+        const FlushDenormals flush;
+        for (uint32_t side = range.begin(); side < range.end(); ++side) {
+            if (sealed[size_t{scene.triangle_of_side(side)} * 2 + scene.is_back(side)])
+                covers[side] = {0};
+            else if (scene.scatters(side))
+                covers[side] = cover(Probes(accel, sealed, side));
+        }
+    });
+    return covers;
+}
+
+}  // namespace lumel
