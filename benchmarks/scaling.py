@@ -29,7 +29,7 @@ SIZES = {
 }
 FIXED = {"patches": 20_000, "rays": 1_000_000, "cameras": 1, "lamps": 1}
 PARTS = ("load", "solve", "shoot", "fields", "see")
-LARGE, LARGE_RAYS = 5_000_000, 10_000_000  # triangles and rays of `large`
+LARGE, LARGE_RAYS = 5_000_000, 2_000_000  # triangles and rays of `large`
 ROOM_HEIGHT = 2.0  # m
 BUMPS = 0.02  # m
 
