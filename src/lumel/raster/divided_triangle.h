@@ -18,7 +18,7 @@ public:
     DividedTriangle(const std::array<SnappedVertex, 3>& corners, uint32_t n, uint32_t first_patch);
 
     /// Find by how much the number of the patch grows from pixel to pixel of `row`, after `begin` and before `end`, all in the triangle:
-    /// steps[x] += step at pixel x; that of `end` is overwritten with anything. Gives the patch of `begin`.
+    /// steps[x] += step at pixel x. Lines that may lie after the last pixel count at `end`. Gives the patch of `begin`.
     uint32_t cut(int32_t row, uint32_t begin, uint32_t end, int32_t* steps) const;
 
 private:

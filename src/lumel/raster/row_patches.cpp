@@ -23,6 +23,7 @@ PatchSteps RowPatches::add(const DividedTriangle& triangle, int32_t row, uint32_
     uint64_t* const changes = &changes_[used_ / kWord];
     used_ += words * kWord;
     first = triangle.cut(row, begin, end, &steps_[origin]);
+    steps_[origin + end] = 0;
     for (size_t k = 0; k < words; ++k, step += kWord)
         changes[k] = uint64_t{which_are_not_0(step)} | uint64_t{which_are_not_0(step + kWord / 2)} << 32;
     return {&steps_[origin], &changes_[origin / kWord]};

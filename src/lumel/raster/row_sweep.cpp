@@ -53,8 +53,7 @@ void RowSweep::see_nothing_before(RowSpan& first, uint32_t x) {
 /// The last of the line is left.
 void RowSweep::see_nothing_behind(RowSpan& last, uint32_t x) {
     const PatchSteps a = last.patches;
-    const auto patch = last.to_farther - lights_.data();
-    uint32_t* pixels = &as_last_[static_cast<size_t>(patch)];
+    uint32_t* pixels = as_last_.data() + (last.to_farther - lights_.data());
     size_t from = last.since;
     for_each_change(
         from, x, [=](size_t word) { return a.changes[word]; },
@@ -62,7 +61,7 @@ void RowSweep::see_nothing_behind(RowSpan& last, uint32_t x) {
             *pixels += static_cast<uint32_t>(end - from);
             pixels += a.steps[end], from = end;
         });
-    last.to_farther = &lights_[static_cast<size_t>(pixels - as_last_.data())];
+    last.to_farther = lights_.data() + (pixels - as_last_.data());
 }
 
 /// Add up what they are about to exchange.
