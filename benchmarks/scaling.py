@@ -29,7 +29,7 @@ SIZES = {
 }
 FIXED = {"patches": 20_000, "rays": 1_000_000, "cameras": 1, "lamps": 1}
 PARTS = ("load", "solve", "shoot", "fields", "see")
-LARGE, LARGE_RAYS = 5_000_000, 2_000_000  # triangles and rays of `large`
+LARGE, LARGE_RAYS = 5_000_000, 10_000_000  # triangles and rays of `large`
 ROOM_HEIGHT = 2.0  # m
 BUMPS = 0.02  # m
 
@@ -109,9 +109,10 @@ def measure(patches: int, rays: int, cameras: int, lamps: int) -> dict[str, floa
         wall, cpu = time.perf_counter(), time.process_time()
 
     core, _ = to_core(made, patches)
+    cameras_of_core = [camera_to_core(camera) for camera in made.cameras]
     session = _core.Session(
-        scene=core, cameras=[camera_to_core(camera) for camera in made.cameras], transport="rays", areas="patches", estimator="weighted",
-        defensive=-1.0, gather=0.0, first_shot=True, direct_samples=DIRECT_SAMPLES, seed=0, threads=len(os.sched_getaffinity(0)),
+        scene=core, cameras=cameras_of_core, transport="rays", areas="patches", estimator="weighted", defensive=-1.0, gather=0.0,
+        weight_diffuse=None, first_shot=True, direct_samples=DIRECT_SAMPLES, seed=0, threads=len(os.sched_getaffinity(0)),
     )  # fmt: skip
     lap("load")
     session.begin_replica(min(rays, RAYS_PER_STEP) // 4)
