@@ -1,29 +1,35 @@
 """How time and memory grow with patches, rays, cameras and lamps: a table and a fitted exponent for each.
 
-Every point is a process of its own, with a generated scene: `python benchmarks/scaling.py [patches|rays|cameras|lamps|large]...`. `large`
-loads, solves and renders 5 M triangles, and says before how much memory it expects.
+Every point is a process of its own, with a generated scene: `python benchmarks/scaling.py [patches|rays|cameras|lamps|large]...
+[--most N] [--processor]`. `--most` leaves out larger sizes, `--processor` gives processor time of all threads, which load on the machine
+moves less. `large` writes a file of 5 M triangles (or N) and renders it by `lumel render`, which says before how much memory it expects.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
 import os
 import resource
 import subprocess
 import sys
+import tempfile
 import time
+from pathlib import Path
 
 import numpy as np
+from generated import Writer
 
 SIZES = {
     "patches": (1_000, 10_000, 100_000, 1_000_000, 5_000_000),
-    "rays": (100_000, 1_000_000, 10_000_000),
+    "rays": (100_000, 1_000_000, 10_000_000, 100_000_000, 1_000_000_000),
     "cameras": (1, 4, 16, 64, 256),
     "lamps": (1, 10, 100, 1_000, 10_000),
 }
 FIXED = {"patches": 20_000, "rays": 1_000_000, "cameras": 1, "lamps": 1}
-LARGE = 5_000_000  # triangles
+PARTS = ("load", "solve", "shoot", "fields", "see")
+LARGE, LARGE_RAYS = 5_000_000, 10_000_000  # triangles and rays of `large`
 ROOM_HEIGHT = 2.0  # m
 BUMPS = 0.02  # m
 
@@ -64,42 +70,63 @@ def scene(triangles: int, cameras: int, lamps: int):  # type: ignore[no-untyped-
     return Scene(tuple(meshes), materials, cameras=eyes)
 
 
-def measure(patches: int, rays: int, cameras: int, lamps: int, triangles: int = 1000) -> dict[str, float]:
-    """Seconds of each part and peak memory, of one replica and one eye pass, in this process."""
+def write(triangles: int, folder: Path) -> Path:
+    """Write about the same scene, with one lamp and one camera, to a file with a binary PLY beside it; gives the file."""
+    vertices, corners = hills(triangles)
+    faces = np.empty(len(corners), np.dtype([("count", "u1"), ("corners", "<i4", 3)]))
+    faces["count"], faces["corners"] = 3, corners
+    header = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
+        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    (folder / "hills.ply").write_bytes(header.encode() + vertices.astype("<f4").tobytes() + faces.tobytes())
+    w = Writer()
+    w.matt("black", (0, 0, 0))
+    white, gloss = w.matt("white", (0.7, 0.7, 0.7)), w.gloss("gloss", (0.5, 0.5, 0.5), 0.2, 0.4)
+    w.lines.append(f'  <shape type="ply"><string name="filename" value="hills.ply"/><ref id="{gloss}"/></shape>')
+    w.shape("rectangle", white, (0, ROOM_HEIGHT, 0), (1, 1, 1), (90, 0))
+    w.lamp((0, 0.95 * ROOM_HEIGHT, 0), (0.2, 0.2), (20, 20, 20))
+    w.camera((0, 1.2, 0.95), (0, 0, 0))
+    file = folder / "hills.xml"
+    file.write_text(w.text())
+    return file
+
+
+def measure(patches: int, rays: int, cameras: int, lamps: int) -> dict[str, float]:
+    """Seconds of each part by the wall clock, and of processor time in `cpu PART`, and peak memory, of one replica and one eye pass."""
     from lumel import _core
     from lumel.core import camera_to_core, to_core
-    from lumel.render import DIRECT_SAMPLES, describe
+    from lumel.pace import RAYS_PER_STEP
+    from lumel.render import DIRECT_SAMPLES
 
-    made = scene(triangles, cameras, lamps)
-    threads = len(os.sched_getaffinity(0))
+    made = scene(1000, cameras, lamps)
     times: dict[str, float] = {}
-    last = time.perf_counter()
+    wall, cpu = time.perf_counter(), time.process_time()
 
     def lap(name: str) -> None:
-        nonlocal last
-        now = time.perf_counter()
-        times[name], last = now - last, now
+        nonlocal wall, cpu
+        times[name], times[f"cpu {name}"] = time.perf_counter() - wall, time.process_time() - cpu
+        wall, cpu = time.perf_counter(), time.process_time()
 
-    if triangles >= LARGE:
-        expected = describe(made, patches=patches)["memory_bytes"]
-        print(f"{triangles:,} triangles: about {expected / 2**30:.1f} GB of memory expected", file=sys.stderr)
-        last = time.perf_counter()
     core, _ = to_core(made, patches)
+    cameras_of_core = [camera_to_core(camera) for camera in made.cameras]
     session = _core.Session(
-        scene=core, cameras=[camera_to_core(camera) for camera in made.cameras], transport="rays", areas="patches", estimator="weighted",
-        defensive=-1.0, gather=0.0, first_shot=True, direct_samples=DIRECT_SAMPLES, seed=0, threads=threads,
+        scene=core, cameras=cameras_of_core, transport="rays", areas="patches", estimator="weighted", defensive=-1.0, gather=0.0,
+        weight_diffuse=None, first_shot=True, direct_samples=DIRECT_SAMPLES, seed=0, threads=len(os.sched_getaffinity(0)),
     )  # fmt: skip
     lap("load")
-    session.begin_replica(rays // 4)
+    session.begin_replica(min(rays, RAYS_PER_STEP) // 4)
     lap("solve")
-    session.step(rays)
+    # Like a render, in steps that are not larger for more rays.
+    for first in range(0, rays, RAYS_PER_STEP):
+        session.step(min(RAYS_PER_STEP, rays - first))
     session.end_replica()
     lap("shoot")
     session.reconstruct()
     lap("fields")
     session.eye_pass(0, 4)
     lap("see")
-    return {**times, "patches": core.patches, "rss": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024}
+    return {**times, "rss": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024}
 
 
 def point(**sizes: int) -> dict[str, float]:
@@ -114,26 +141,53 @@ def exponent(sizes: list[float], values: list[float]) -> float:
     return math.log(values[-1] / values[-2]) / math.log(sizes[-1] / sizes[-2])
 
 
-def main(wanted: list[str]) -> None:
-    """Print a table for each of the numbers in `wanted`."""
-    parts = ("load", "solve", "shoot", "fields", "see")
-    for what in wanted:
+def table(what: str, most: int, clock: str) -> None:
+    """Print how each part grows with `what`; `clock` stands before the names of the parts in what `measure` gives."""
+    sizes = [size for size in SIZES[what] if size <= most]
+    keys = [clock + part for part in PARTS]
+    print(f"\n| {what} | {' | '.join(f'{part}, s' for part in PARTS)} | memory, MB |\n|{'---|' * (len(PARTS) + 2)}")
+    rows = []
+    for size in sizes:
+        row = point(**{**FIXED, what: size})
+        print(f"| {size:,} | {' | '.join(f'{row[key]:.2f}' for key in keys)} | {row['rss'] / 2**20:,.0f} |", flush=True)
+        rows.append(row)
+    fits = [exponent([float(size) for size in sizes], [row[key] for row in rows]) for key in (*keys, "rss")]
+    print(f"| exponent | {' | '.join(f'{fit:.2f}' for fit in fits)} |")
+
+
+def large(triangles: int) -> None:
+    """Render so many given triangles by the command line, which says before how much memory it expects."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        file = write(triangles, folder)
+        begin = time.perf_counter()
+        line = [sys.executable, "-m", "lumel", "render", file, "-o", folder / "hills.exr", "--rays", str(LARGE_RAYS), "--progress", "plain"]
+        subprocess.run(line, check=True)
+        took = time.perf_counter() - begin
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    processor = used.ru_utime + used.ru_stime
+    print(
+        f"\nlarge: {triangles:,} triangles and {LARGE_RAYS:,} rays took {took:.0f} s, {processor:.0f} s of processor time, "
+        f"and {used.ru_maxrss / 2**20:.1f} GB"
+    )
+
+
+def main() -> None:
+    """Print a table for each of the numbers that are wanted."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("what", nargs="*", choices=[*SIZES, "large"], default=[*SIZES, "large"])
+    parser.add_argument("--most", type=int, default=sys.maxsize)
+    parser.add_argument("--processor", action="store_true")
+    args = parser.parse_args()
+    for what in args.what:
         if what == "large":
-            found = point(**{**FIXED, "patches": LARGE, "rays": 10_000_000, "triangles": LARGE})
-            print("large:", ", ".join(f"{part} {found[part]:.1f} s" for part in parts), f"{found['rss'] / 2**30:.1f} GB")
-            continue
-        print(f"\n| {what} | {' | '.join(f'{part}, s' for part in parts)} | memory, MB |\n|{'---|' * (len(parts) + 2)}")
-        rows = []
-        for size in SIZES[what]:
-            rows.append(point(**{**FIXED, what: size}))
-            print(f"| {size:,} | {' | '.join(f'{rows[-1][part]:.2f}' for part in parts)} | {rows[-1]['rss'] / 2**20:,.0f} |", flush=True)
-        sizes = [float(size) for size in SIZES[what]]
-        fits = [exponent(sizes, [row[part] for row in rows]) for part in (*parts, "rss")]
-        print(f"| exponent | {' | '.join(f'{fit:.2f}' for fit in fits)} |")
+            large(min(LARGE, args.most))
+        else:
+            table(what, args.most, "cpu " if args.processor else "")
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--point"]:
         print(json.dumps(measure(**json.loads(sys.argv[2]))))
     else:
-        main(sys.argv[1:] or [*SIZES, "large"])
+        main()

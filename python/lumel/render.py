@@ -16,11 +16,12 @@ from .core import camera_to_core, to_core, wanted_patches
 from .error_bars import errors
 from .errors import SettingsError
 from .explanation import Explanation, explain, why_auto
+from .memory import expected
 from .progress import Progress
 from .result import Patches, Result
 from .scene import FloatArray, Scene
 from .schedule import SHORTEST_WITH_TRIAL, Schedule, has_time_for_trial
-from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, QUALITIES, Quality, Settings
+from .settings import QUALITIES, Quality, Settings
 
 WORTH_SAYING = 0.02  # share of flagged areas; up to half of it comes by chance
 PARITY_WORTH_SAYING = 1000.0  # lines of a million
@@ -164,7 +165,7 @@ def _work_of(quality: Quality, settings: Settings, patches: int) -> int:
 
 def describe(scene: Scene, patches: int | None = None) -> dict[str, Any]:
     """What is in a scene: `patches`, `triangles`, `degenerate`, `duplicate`, `huge`, `nonfinite` (counts), `memory_bytes` that a render
-    with one camera will take, `surface_area` (m2), `power` (W, RGB), `lights` (list of `name`, `kind`, `power`). Raises SceneError."""
+    of the first camera will take, `surface_area` (m2), `power` (W, RGB), `lights` (list of `name`, `kind`, `power`). Raises SceneError."""
     core, _ = to_core(scene, patches)
     report = core.report
     lights: list[dict[str, Any]] = [
@@ -177,7 +178,7 @@ def describe(scene: Scene, patches: int | None = None) -> dict[str, Any]:
         "patches": core.patches,
         "triangles": core.triangles,
         **{key: report[key] for key in ("degenerate", "duplicate", "huge", "nonfinite")},
-        "memory_bytes": _memory(scene, core, patches),
+        "memory_bytes": expected(scene, Settings(patches=patches)),
         "surface_area": core.total_area,
         "power": tuple(float(p) for p in np.sum([light["power"] for light in lights], axis=0)) if lights else (0.0, 0.0, 0.0),
         "lights": lights,
@@ -308,9 +309,3 @@ def _patches(core: _core.Scene, session: _core.Session, scene: Scene) -> Patches
     return Patches(
         irradiance * sides, irradiance, stderr, geometry[:, 0], geometry[:, 1:4], geometry[:, 4:7], int(str(session.stats["replicas"]))
     )
-
-
-def _memory(scene: Scene, core: _core.Scene, patches: int | None) -> int:
-    pixels = max((c.width * c.height for c in scene.cameras), default=0)
-    most = max(core.patches, wanted_patches(core.triangles, patches))  # adaptive ones make use of all that are wanted
-    return 60_000_000 + core.triangles * 200 + most * BYTES_PER_PATCH + core.glossy_sides * 350 + pixels * BYTES_PER_PIXEL

@@ -24,7 +24,7 @@ AREAS = ("patches", "pixels")
 GATHER = 16.0  # gathering rays an area and 2^20 shooting rays, where the estimator divides by their density: measured in docs/results.md
 LARGEST_PICTURE = 32_768  # pixels a side
 BYTES_PER_PIXEL = 700  # of memory, for each camera
-BYTES_PER_PATCH = 420
+BYTES_PER_PATCH = 640
 
 
 @dataclass(frozen=True)
@@ -216,6 +216,11 @@ class Settings:
             yield from _too_much(f"{self.patches:,} patches", self.patches * BYTES_PER_PATCH)
 
 
+def memory_of_machine() -> int:
+    """Bytes."""
+    return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+
+
 def _is_pair(value: object) -> bool:
     return isinstance(value, tuple | list) and len(value) == 2 and all(isinstance(side, Integral) for side in value)
 
@@ -226,6 +231,5 @@ def _is_size(width: int, height: int) -> bool:
 
 def _too_much(what: str, size: int) -> Iterator[str]:
     """Say so where `size` bytes are more than this machine has."""
-    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    if size > memory:
+    if size > (memory := memory_of_machine()):
         yield f"{what} would take about {size / 2**30:,.0f} GB of memory; this machine has {memory / 2**30:,.0f} GB"

@@ -112,6 +112,15 @@ def test_quiet_says_nothing_and_writes_all(core: FakeCore, lumel: Lumel, tmp_pat
     np.testing.assert_allclose(np.clip(2 * linear[0], 0, 1), linear[1], atol=0.005)
 
 
+def test_memory_of_large_scenes_is_said_before_they_are_rendered(core: FakeCore, lumel: Lumel, tmp_path: Path) -> None:
+    flags = ["render", "s", "-o", tmp_path / "a.exr", "--progress"]
+    core.failure = SceneError("stopped")
+    _, _, err = lumel(*flags, "plain", "--patches", "3M")
+    assert err.startswith("memory: about 1.9 GB; this machine has ")
+    for kind, patches in (("plain", "3k"), ("json", "3M")):
+        assert "memory" not in lumel(*flags, kind, "--patches", patches)[2]
+
+
 def test_all_cameras_get_files_of_their_own(core: FakeCore, lumel: Lumel, tmp_path: Path) -> None:
     core.cameras = ("left", "right")
     code, _, err = lumel("render", "s", "-o", tmp_path / "a.exr", "-o", tmp_path / "b.png", "--camera", "all")

@@ -19,6 +19,9 @@ from .interrupt import run_interruptibly
 if TYPE_CHECKING:
     from ..result import Result
     from ..scene import Scene
+    from ..settings import Settings
+
+WORTH_SAYING = 1 << 30  # bytes of memory
 
 
 def render(
@@ -75,11 +78,13 @@ def render(
     # Flags that were not given are left to the defaults of lumel.render.
     given = {name: value for name, value in settings.items() if value is not None}
     with reporting():
-        _check(problems, given, output)
+        settled = _check(problems, given, output)
         loaded = _load(scene, defines, lenient)
         started = clock.monotonic()
         if camera == "all":
             _check_outputs([path for path, _ in _targets(output, [view.name for view in loaded.cameras])])
+        if not quiet and show != "json":
+            _announce_memory(loaded, settled)
         write = partial(_write, outputs=output, every_camera=camera == "all", layers=wanted, exposure=exposure, half=half)
         drafts = {"draft": write} if show == "bar" and not quiet else {}
         result = _run(loaded, given | {"started": started} | drafts, show, quiet)
@@ -92,19 +97,31 @@ def render(
                 show_explanation(result.explanation)
 
 
-def _check(problems: Sequence[Problem], settings: Mapping[str, Any], outputs: Sequence[Path]) -> None:
-    """Raise now what would else be found after the scene was read, or after a long render."""
+def _check(problems: Sequence[Problem], settings: Mapping[str, Any], outputs: Sequence[Path]) -> Settings:
+    """Raise now what would else be found after the scene was read, or after a long render; gives the settings but for layers."""
     from ..images.files import problems_with
     from ..settings import Settings
 
     # The problems of flags say what the user typed, so they stand for the same one in the settings.
     known = {name: value for name, value in settings.items() if name not in ("layers", "explain")}
-    bad = [*problems, *Settings(**known).problems()]
+    settled = Settings(**known)
+    bad = [*problems, *settled.problems()]
     unwritable = problems_with(outputs)
     if bad:
         raise SettingsError([*bad, *unwritable])
     if unwritable:
         raise OutputError(unwritable)
+    return settled
+
+
+def _announce_memory(scene: Scene, settings: Settings) -> None:
+    """Say how much memory a large scene will take, before it does."""
+    from ..memory import expected
+    from ..settings import memory_of_machine
+
+    size = expected(scene, settings)
+    if size > WORTH_SAYING:
+        print(f"memory: about {size / 2**30:.1f} GB; this machine has {memory_of_machine() / 2**30:.0f} GB", file=sys.stderr)
 
 
 def _check_outputs(paths: Sequence[Path]) -> None:

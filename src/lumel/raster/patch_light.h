@@ -18,6 +18,12 @@ struct alignas(64) PatchLight {
 
     PatchLight() = default;
     PatchLight(Rgb along, Rgb against) : sent_along{along.x, along.y, along.z, 1}, sent_against{against.x, against.y, against.z, 1} {}
+    /// Add the colour of a flow to a sum, two channels side by side.
+    static void add(Rgb& sum, Flow flow) {
+        using Pair = float __attribute__((vector_size(2 * sizeof(float))));
+        const Pair pair = Pair{sum.x, sum.y} + Pair{flow[0], flow[1]};
+        sum = {pair[0], pair[1], sum.z + flow[2]};
+    }
     static Rgb colour(Flow flow) { return {flow[0], flow[1], flow[2]}; }
     static uint32_t count(Flow flow) { return static_cast<uint32_t>(static_cast<int32_t>(flow[3])); }
 };

@@ -1,6 +1,8 @@
 // The vertices of a scene in a window: snapped to a grid finer than the pixels, so that all tests of coverage are exact.
 #pragma once
 
+#include <cstring>
+
 #include "lumel/raster/lanes.h"
 #include "lumel/raster/window.h"
 
@@ -29,11 +31,17 @@ constexpr int64_t turn(const SnappedVertex& a, const SnappedVertex& b, const Sna
 
 /// The first row of a triangle, or the highest number if it has no pixel for certain: many of the smallest lie between two rows or columns.
 inline uint32_t first_row(const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c) {
-    const auto pixel = [](const SnappedVertex& v) {
-        return (IntLanes{v.x, v.y, 0, 0} + static_cast<int32_t>(kSubpixels - 1)) >> kSubpixelBits;
+    // The first two of the lanes are x and y.
+    const auto lanes = [](const SnappedVertex& v) {
+        IntLanes place;
+        std::memcpy(&place, &v, sizeof place);
+        return place;
     };
-    const IntLanes pa = pixel(a), pb = pixel(b), pc = pixel(c), ab = pa < pb ? pa : pb, least = ab < pc ? ab : pc;
-    const IntLanes has_none = (pa == pb) & (pb == pc);
+    const IntLanes pa = lanes(a), pb = lanes(b), pc = lanes(c);
+    const IntLanes ab_least = pa < pb ? pa : pb, ab_most = pa > pb ? pa : pb;
+    const IntLanes least = ((ab_least < pc ? ab_least : pc) + static_cast<int32_t>(kSubpixels - 1)) >> kSubpixelBits;
+    const IntLanes most = ((ab_most > pc ? ab_most : pc) + static_cast<int32_t>(kSubpixels - 1)) >> kSubpixelBits;
+    const IntLanes has_none = least == most;
     return static_cast<uint32_t>(least[1] | has_none[0] | has_none[1]);
 }
 

@@ -8,55 +8,73 @@ namespace lumel {
 void RowSweep::resize(uint32_t width, uint32_t patches) {
     events_.assign(width / 64 + 1, 0), crossings_.assign(width / 64 + 1, 0);
     first_begin_.assign(width + 1, kNone), first_end_.assign(width + 1, kNone);
+    patches_.resize(width);
     lights_.resize(patches), as_last_.resize(patches);
-    runs_.resize(std::max<size_t>(runs_.size(), 1));
-    runs_[kNothing] = {};
     constexpr double kFar = std::numeric_limits<double>::infinity();
-    front_ = {.depth_at_0 = -kFar, .end = kNone, .parity = RowSpan::kOpenParity, .run_to_farther = kNothing};
-    behind_ = {.depth_at_0 = kFar, .end = kNone, .parity = RowSpan::kOpenParity, .run_to_nearer = kNothing};
+    front_ = {.depth_at_0 = -kFar, .end = kNone, .parity = RowSpan::kOpenParity};
+    behind_ = {.depth_at_0 = kFar, .end = kNone, .parity = RowSpan::kOpenParity};
 }
 
 /// Two neighbours have seen each other up to before pixel `x`.
 inline void RowSweep::exchange_until(uint32_t x, RowSpan& near, RowSpan& far) {
-    const PatchRun &a = runs_[near.run_to_farther], &b = runs_[far.run_to_nearer];
-    // Most often each is one patch all the way.
-    if (x <= a.end && x <= b.end && unturned_ == 0)
-        exchange(lights_[a.patch], lights_[b.patch], x - near.since);
+    if (near.since == x) return;
+    // Small triangles are one patch each.
+    if (patches_.has_none(near.patches) && patches_.has_none(far.patches) && unturned_ == 0)
+        exchange(*near.to_farther, *far.to_nearer, x - near.since);
     else
-        exchange_runs(x, near, far);
+        exchange_patches(x, near, far);
 }
 
-/// The same, patch by patch.
-void RowSweep::exchange_runs(uint32_t x, RowSpan& near, RowSpan& far) {
-    uint32_t from = near.since;
-    if (from == x) return;
-    if (&near == &front_) {
-        if (&far != &behind_) counters_.lines += x - from;
-        return;
-    }
-    const PatchRun *a = &runs_[near.run_to_farther], *b = &runs_[far.run_to_nearer];
-    while (a->end <= from) ++a;
-    if (&far == &behind_) {
-        for (; a->end < x; from = a++->end) as_last_[a->patch] += a->end - from;
-        as_last_[a->patch] += x - from;
-        near.run_to_farther = static_cast<uint32_t>(a - runs_.data());
-        return;
-    }
-    while (b->end <= from) ++b;
-    const bool face_alike = near.faces_like(far);
-    const auto see = [&](uint32_t until) {
-        exchange(lights_[a->patch], lights_[b->patch], until - from);
-        if (!face_alike) return;
-        const Rgb both = PatchLight::colour(lights_[a->patch].sent_along + lights_[b->patch].sent_against);
-        counters_.mispaired += to_double(both) * static_cast<double>(until - from);
-    };
-    // Which run ends first is hard to foretell, so do without branches.
-    for (uint32_t end; (end = std::min(a->end, b->end)) < x; from = end) {
-        see(end);
-        a += a->end == end, b += b->end == end;
-    }
-    see(x);
-    near.run_to_farther = static_cast<uint32_t>(a - runs_.data()), far.run_to_nearer = static_cast<uint32_t>(b - runs_.data());
+/// The same, patch by patch: over each stretch of pixels on which neither changes.
+void RowSweep::exchange_patches(uint32_t x, RowSpan& near, RowSpan& far) {
+    if (&near == &front_) return see_nothing_before(far, x);
+    if (&far == &behind_) return see_nothing_behind(near, x);
+    if (near.faces_like(far)) note_mispaired(x, near, far);
+    const PatchSteps a = near.patches, b = far.patches;
+    PatchLight *in_a = near.to_farther, *in_b = far.to_nearer;
+    size_t from = near.since;
+    const auto changes = [=](size_t word) { return a.changes[word] | b.changes[word]; };
+    for_each_change(from, x, changes, [&](size_t end) {
+        exchange(*in_a, *in_b, static_cast<uint32_t>(end - from));
+        in_a += a.steps[end], in_b += b.steps[end], from = end;
+    });
+    near.to_farther = in_a, far.to_nearer = in_b;
+}
+
+/// The first of the line is met.
+void RowSweep::see_nothing_before(RowSpan& first, uint32_t x) {
+    if (&first == &behind_) return;
+    counters_.lines += x - front_.since;
+    if (x == first.end) return;
+    const PatchSteps a = first.patches;
+    for_each_change(front_.since, x, [=](size_t word) { return a.changes[word]; }, [&](size_t end) { first.to_nearer += a.steps[end]; });
+}
+
+/// The last of the line is left.
+void RowSweep::see_nothing_behind(RowSpan& last, uint32_t x) {
+    const PatchSteps a = last.patches;
+    uint32_t* pixels = as_last_.data() + (last.to_farther - lights_.data());
+    size_t from = last.since;
+    for_each_change(
+        from, x, [=](size_t word) { return a.changes[word]; },
+        [&](size_t end) {
+            *pixels += static_cast<uint32_t>(end - from);
+            pixels += a.steps[end], from = end;
+        });
+    last.to_farther = lights_.data() + (pixels - as_last_.data());
+}
+
+/// Add up what they are about to exchange.
+void RowSweep::note_mispaired(uint32_t x, const RowSpan& near, const RowSpan& far) {
+    const PatchSteps &a = near.patches, &b = far.patches;
+    const PatchLight *in_a = near.to_farther, *in_b = far.to_nearer;
+    size_t from = near.since;
+    const auto changes = [&](size_t word) { return a.changes[word] | b.changes[word]; };
+    for_each_change(from, x, changes, [&](size_t end) {
+        const Rgb both = PatchLight::colour(in_a->sent_along + in_b->sent_against);
+        counters_.mispaired += to_double(both) * static_cast<double>(end - from);
+        in_a += a.steps[end], in_b += b.steps[end], from = end;
+    });
 }
 
 inline void RowSweep::part(RowSpan& near, uint32_t x) {
@@ -95,8 +113,12 @@ void RowSweep::expect_crossing(const RowSpan& near, const RowSpan& far, uint32_t
 /// Let a span take the place of another where it fits; most often they are of neighbours in a mesh.
 inline bool RowSweep::replace(RowSpan& old, RowSpan& span, uint32_t x) {
     RowSpan &near = *old.nearer, &far = *old.farther;
+    // Those that end here as well are not there any more.
+    const RowSpan *before = &near, *behind = &far;
+    while (before->end == x) before = before->nearer;
+    while (behind->end == x) behind = behind->farther;
     const double depth = span.depth(x);
-    if (near.end == x || far.end == x || !(near.depth(x) < depth && depth < far.depth(x))) return false;
+    if (!(before->depth(x) < depth && depth < behind->depth(x))) return false;
     exchange_until(x, near, old), exchange_until(x, old, far);
     span.nearer = &near, span.farther = &far;
     near.farther = far.nearer = last_ = &span;

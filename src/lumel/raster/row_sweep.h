@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lumel/raster/patch_light.h"
-#include "lumel/raster/patch_runs.h"
+#include "lumel/raster/row_patches.h"
 #include "lumel/raster/sweep_counters.h"
 
 namespace lumel {
@@ -15,12 +15,13 @@ namespace lumel {
 struct alignas(64) RowSpan {
     double depth_at_0 = 0, step = 0;  ///< whole numbers: the depth at pixel x is depth_at_0 + x step
     RowSpan *nearer = nullptr, *farther = nullptr;  ///< neighbours on the line
-    uint32_t end = 0;                 ///< the pixel after the last
+    uint32_t end = 0;                               ///< the pixel after the last
     uint32_t triangle = 0;
-    uint32_t parity = 0;                       ///< see kOpenParity
-    uint32_t also_begins = 0, also_ends = 0;   ///< another span that begins or ends at the same pixel
-    uint32_t since = 0;                        ///< pixel from which `farther` is the neighbour
-    uint32_t run_to_nearer = 0, run_to_farther = 0;  ///< the patches that have not seen the neighbours yet
+    uint32_t parity = 0;                      ///< see kOpenParity
+    uint32_t also_begins = 0, also_ends = 0;  ///< another span that begins or ends at the same pixel
+    uint32_t since = 0;                       ///< pixel from which `farther` is the neighbour
+    PatchSteps patches;
+    PatchLight *to_nearer = nullptr, *to_farther = nullptr;  ///< of the patches from which on the neighbours have not been seen
 
     double depth(uint32_t x) const { return depth_at_0 + step * static_cast<int32_t>(x); }
     /// Equal depths are told apart by the number of the triangle.
@@ -51,43 +52,34 @@ public:
     /// Pixels at which nothing lies behind a patch.
     uint32_t pixels_as_last(uint32_t patch) const { return as_last_[patch]; }
 
-    /// Be ready for a row of at most `spans` spans.
-    void begin_row(size_t spans) {
+    /// Be ready for a row of at most `spans` spans with `pixels` pixels of divided ones.
+    void begin_row(size_t spans, size_t pixels) {
         if (spans_.size() < spans) spans_.resize(spans);
         size_ = 0;
-        runs_size_ = kNothing + 1;
+        patches_.begin_row(pixels);
     }
-    /// Take the span from pixel `begin` to before `end`. Its runs follow.
-    void add(uint32_t begin, uint32_t end, double depth_at_0, double step, uint32_t triangle, uint32_t parity) {
+    /// The patches of the row.
+    RowPatches& patches() { return patches_; }
+    /// Take the span from pixel `begin` to before `end`, with its patches, the first of which is `patch`.
+    void add(uint32_t begin, uint32_t end, double depth_at_0, double step, uint32_t triangle, uint32_t parity, const PatchSteps& patches,
+             uint32_t patch) {
         RowSpan& span = spans_[size_];
         span.depth_at_0 = depth_at_0, span.step = step;
-        span.end = end, span.triangle = triangle, span.parity = parity;
+        span.end = end, span.triangle = triangle, span.parity = parity, span.patches = patches;
+        span.to_nearer = span.to_farther = &lights_[patch];
         span.also_begins = chain(first_begin_, begin), span.also_ends = chain(first_end_, end);
-        span.run_to_nearer = span.run_to_farther = runs_size_;
         ++size_;
     }
-    /// The one run of a span that is of one patch.
-    void add_run(PatchRun run) {
-        if (runs_.size() <= runs_size_) runs_.resize(2 * (runs_size_ + size_t{1}));
-        runs_[runs_size_++] = run;
-    }
-    /// Room for at most `count` runs of a span, in their order; add_runs tells how many there are.
-    PatchRun* room_for_runs(size_t count) {
-        if (runs_.size() < runs_size_ + count) runs_.resize(2 * (runs_size_ + count));
-        return &runs_[runs_size_];
-    }
-    void add_runs(uint32_t count) { runs_size_ += count; }
     /// Exchange light along the row.
     void run();
     /// Add to `counters` what was met since the last call.
     void count(SweepCounters& counters);
     size_t bytes() const {
-        return lights_.capacity() * (sizeof(PatchLight) + sizeof(uint32_t)) + runs_.capacity() * sizeof(PatchRun) +
-               spans_.capacity() * sizeof(RowSpan) + first_begin_.capacity() * 2 * sizeof(uint32_t);
+        return lights_.capacity() * (sizeof(PatchLight) + sizeof(uint32_t)) + patches_.bytes() + spans_.capacity() * sizeof(RowSpan) +
+               first_begin_.capacity() * 2 * sizeof(uint32_t);
     }
 
 private:
-    static constexpr uint32_t kNothing = 0;  // the run of both: before every pixel, so that nothing is exchanged
     static constexpr uint32_t kNone = 0xffffffffu;
 
     /// Put the new span at the head of the list of pixel `x`; gives the one that was there.
@@ -101,7 +93,10 @@ private:
     void insert(RowSpan& span, uint32_t x);
     void sort(uint32_t x);
     void exchange_until(uint32_t x, RowSpan& near, RowSpan& far);
-    void exchange_runs(uint32_t x, RowSpan& near, RowSpan& far);
+    void exchange_patches(uint32_t x, RowSpan& near, RowSpan& far);
+    void see_nothing_before(RowSpan& first, uint32_t x);
+    void see_nothing_behind(RowSpan& last, uint32_t x);
+    void note_mispaired(uint32_t x, const RowSpan& near, const RowSpan& far);
     void part(RowSpan& near, uint32_t x);
     void meet(RowSpan& near, uint32_t x);
     void check_order(const RowSpan& near, const RowSpan& far, uint32_t x);
@@ -113,10 +108,9 @@ private:
     std::vector<uint32_t> first_begin_, first_end_;  // span that begins or ends at a pixel, or kNone
     RowSpan front_, behind_;  // before and behind all others: those who see them see nothing
     std::vector<RowSpan> spans_;
-    std::vector<PatchRun> runs_;
+    RowPatches patches_;
     std::vector<RowSpan*> order_;
     uint32_t size_ = 0;  // of spans_, those in use
-    uint32_t runs_size_ = 0;  // of runs_
     RowSpan* last_ = nullptr;  // of the line, touched last
 
     uint64_t depth_ = 0;

@@ -35,6 +35,7 @@ void ScanTriangles::begin(const std::array<ScannedTriangle, kLanes>& triangles, 
         four.triangle[lane] = t.triangle, four.parity[lane] = t.parity, four.first_patch[lane] = t.first_patch;
         four.divided[lane] = kUndivided;
         if (t.n == 1) continue;
+        four.has_divided = true;
         four.divided[lane] = static_cast<uint32_t>(divided_.size());
         divided_.emplace_back(t.corners, t.n, t.first_patch);
     }
@@ -59,32 +60,41 @@ inline void ScanTriangles::Four::cross(double row, FourSpans& spans) const {
 }
 
 void ScanTriangles::scan(int32_t row, RowSweep& sweep) {
-    sweep.begin_row(live_.size() * kLanes);
-    for (size_t i = 0; i < live_.size();) {
+    // Cross all before looking at any: which of them have pixels is hard to foretell.
+    crossed_.resize(live_.size());
+    size_t pixels = 0;
+    for (size_t i = 0; i < live_.size(); ++i) {
         const Four& four = fours_[live_[i]];
-        FourSpans spans;
+        FourSpans& spans = crossed_[i];
         four.cross(row, spans);
-        for (uint32_t left = bits(spans.begin < spans.end); left != 0; left &= left - 1) {
-            const auto k = static_cast<uint32_t>(std::countr_zero(left));
-            const auto begin = static_cast<uint32_t>(spans.begin[k]), end = static_cast<uint32_t>(spans.end[k]);
-            sweep.add(begin, end, spans.depth_at_0[k], spans.step[k], four.triangle[k], four.parity[k]);
-            if (four.divided[k] == kUndivided)
-                sweep.add_run({end, four.first_patch[k]});
-            else
-                cut(divided_[four.divided[k]], row, begin, end, sweep);
-        }
-
-        if (four.last_end > row + 1)
-            ++i;
-        else
-            free_.push_back(live_[i]), live_[i] = live_.back(), live_.pop_back();
+        if (!four.has_divided) continue;
+        const IntLanes room = spans.end - spans.begin + static_cast<int32_t>(RowPatches::kMargin);
+        pixels += static_cast<uint32_t>(room[0] + room[1] + room[2] + room[3]);
     }
+    sweep.begin_row(live_.size() * kLanes, pixels);
+
+    // Those that end here leave their place to others.
+    size_t left = 0;
+    for (size_t i = 0; i < live_.size(); ++i) {
+        const Four& four = fours_[live_[i]];
+        add_spans(four, crossed_[i], row, sweep);
+        if (four.last_end > row + 1)
+            live_[left++] = live_[i];
+        else
+            free_.push_back(live_[i]);
+    }
+    live_.resize(left);
 }
 
-void ScanTriangles::cut(const DividedTriangle& divided, int32_t row, uint32_t begin, uint32_t end, RowSweep& sweep) {
-    columns_.resize(std::max<size_t>(columns_.size(), divided.room_for_columns()));
-    PatchRun* runs = sweep.room_for_runs(divided.room_for_runs());
-    sweep.add_runs(divided.cut(row, begin, end, runs, columns_.data()));
+inline void ScanTriangles::add_spans(const Four& four, const FourSpans& spans, int32_t row, RowSweep& sweep) {
+    for (uint32_t left = bits(spans.begin < spans.end); left != 0; left &= left - 1) {
+        const auto k = static_cast<uint32_t>(std::countr_zero(left));
+        const auto begin = static_cast<uint32_t>(spans.begin[k]), end = static_cast<uint32_t>(spans.end[k]);
+        uint32_t patch = four.first_patch[k];
+        PatchSteps patches = sweep.patches().none();
+        if (four.divided[k] != kUndivided) patches = sweep.patches().add(divided_[four.divided[k]], row, begin, end, patch);
+        sweep.add(begin, end, spans.depth_at_0[k], spans.step[k], four.triangle[k], four.parity[k], patches, patch);
+    }
 }
 
 }  // namespace lumel

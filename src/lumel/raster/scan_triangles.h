@@ -2,7 +2,6 @@
 #pragma once
 
 #include "lumel/raster/depth_plane.h"
-#include "lumel/raster/patch_runs.h"
 #include "lumel/raster/row_sweep.h"
 
 namespace lumel {
@@ -20,8 +19,7 @@ class ScanTriangles {
 public:
     void clear() { fours_.clear(), live_.clear(), free_.clear(), divided_.clear(); }
     size_t bytes() const {
-        return fours_.capacity() * (sizeof(Four) + 2 * sizeof(uint32_t)) + divided_.capacity() * sizeof(DividedTriangle) +
-               columns_.capacity() * sizeof(uint32_t);
+        return fours_.capacity() * (sizeof(Four) + 2 * sizeof(uint32_t)) + divided_.capacity() * sizeof(DividedTriangle);
     }
 
     /// Take the first `count` of four triangles before their first row is scanned.
@@ -49,6 +47,7 @@ private:
         Lanes middle{}, end{};  ///< rows from which the upper edges are met, and nothing
         decltype(Lanes{} < Lanes{}) bends_left{};  ///< are two edges on the left side?
         int32_t last_end = 0;
+        bool has_divided = false;
         std::array<uint32_t, kLanes> triangle{}, parity{}, first_patch{}, divided{};
 
         Four() = default;
@@ -56,12 +55,13 @@ private:
         Four(const VertexLanes& a, const VertexLanes& b, const VertexLanes& c);
         void cross(double row, FourSpans& spans) const;
     };
-    void cut(const DividedTriangle& divided, int32_t row, uint32_t begin, uint32_t end, RowSweep& sweep);
+
+    void add_spans(const Four& four, const FourSpans& spans, int32_t row, RowSweep& sweep);
 
     std::vector<Four> fours_;
+    std::vector<FourSpans> crossed_;  // of those that cross the row
     std::vector<uint32_t> live_, free_;  // of fours_, those that cross the row and those that have ended
     std::vector<DividedTriangle> divided_;  // of this window
-    std::vector<uint32_t> columns_;
 };
 
 }  // namespace lumel

@@ -41,15 +41,16 @@ void Transillumination::prepare(const Window& window) {
 }
 
 void Transillumination::begin_triangles(uint32_t row, std::span<const Rgb> sent) {
-    const Scene& scene = scene_->scene();
+    if (first_of_row_[row] == first_of_row_[row + 1]) return;
+    const uint32_t patches = scene_->scene().patches();
     std::array<ScannedTriangle, kLanes> four{};
     for (uint32_t i = first_of_row_[row], lane = 0; i < first_of_row_[row + 1]; ++i) {
         const uint32_t triangle = by_row_[i];
         const auto& [indices, n, first, surface] = scene_->triangles()[triangle];
         const bool front_along = front_along_[triangle];
         const uint32_t end = first + n * n;
-        const Rgb* along = &sent[front_along ? 0 : scene.patches()];
-        const Rgb* against = &sent[front_along ? scene.patches() : 0];
+        const Rgb* along = &sent[front_along ? 0 : patches];
+        const Rgb* against = &sent[front_along ? patches : 0];
         for (uint32_t patch = first; patch < end; ++patch) sweep_.begin_patch(patch, PatchLight(along[patch], against[patch]));
 
         four[lane++] = {corners(scene_->triangles()[triangle]), triangle,
@@ -61,28 +62,29 @@ void Transillumination::begin_triangles(uint32_t row, std::span<const Rgb> sent)
 }
 
 void Transillumination::collect(std::span<Rgb> received, std::span<uint32_t> pixels, SweepCounters& counters) {
-    const Scene& scene = scene_->scene();
+    const uint32_t patches = scene_->scene().patches(), triangles = scene_->scene().triangles();
     const auto none = static_cast<uint32_t>(first_of_row_.size() - 2);
     Lanes escaped{};
-    for (uint32_t triangle = 0; triangle < scene.triangles(); ++triangle) {
+    for (uint32_t triangle = 0; triangle < triangles; ++triangle) {
         if (first_row_[triangle] == none) continue;
         const auto& [indices, n, first, surface] = scene_->triangles()[triangle];
         const bool front_along = front_along_[triangle];
         const uint32_t end = first + n * n;
-        Rgb* along = &received[front_along ? 0 : scene.patches()];
-        Rgb* against = &received[front_along ? scene.patches() : 0];
+        Rgb* along = &received[front_along ? 0 : patches];
+        Rgb* against = &received[front_along ? patches : 0];
         for (uint32_t patch = first; patch < end; ++patch) {
             const PatchLight& light = sweep_.light(patch);
-            along[patch] += PatchLight::colour(light.received_along);
-            against[patch] += PatchLight::colour(light.received_against);
+            PatchLight::add(along[patch], light.received_along);
+            PatchLight::add(against[patch], light.received_against);
 
             // What nothing received leaves the scene.
             const uint32_t last = sweep_.pixels_as_last(patch), covered = PatchLight::count(light.received_along) + last;
             const uint32_t as_first = covered - PatchLight::count(light.received_against);
-            const PatchLight::Flow unseen = light.sent_along * static_cast<float>(last) + light.sent_against * static_cast<float>(as_first);
-            escaped += __builtin_convertvector(unseen, Lanes);
             pixels[patch] += covered;
             counters.fragments += covered;
+            if ((last | as_first) == 0) continue;
+            const PatchLight::Flow unseen = light.sent_along * static_cast<float>(last) + light.sent_against * static_cast<float>(as_first);
+            escaped += __builtin_convertvector(unseen, Lanes);
         }
     }
     counters.escaped += Rgb64{escaped[0], escaped[1], escaped[2]};
