@@ -15,8 +15,6 @@ namespace {
 
 constexpr unsigned kFlush = _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON;
 
-constexpr uint32_t kLanes = 8;
-
 RTCRay to_embree(const Ray& ray) {
     RTCRay r;
     r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
@@ -26,9 +24,9 @@ RTCRay to_embree(const Ray& ray) {
     return r;
 }
 
-/// The kLanes rays of a block from `first` on.
-void to_embree(const RayBlock& rays, uint32_t first, float reach, std::array<int, kLanes>& valid, RTCRay8& query) {
-    for (uint32_t k = 0; k < kLanes; ++k) {
+/// The kSideBySide rays of a block from `first` on.
+void to_embree(const RayBlock& rays, uint32_t first, float reach, std::array<int, kSideBySide>& valid, RTCRay8& query) {
+    for (uint32_t k = 0; k < kSideBySide; ++k) {
         const uint32_t i = first + k;
         valid[k] = i < rays.size ? rays.traced[i] : 0;
         query.org_x[k] = rays.origin.x[i], query.org_y[k] = rays.origin.y[i], query.org_z[k] = rays.origin.z[i];
@@ -114,12 +112,13 @@ Hit Accel::intersect_lamps(const Ray& ray) const {
 
 void Accel::intersect(const RayBlock& rays, HitBlock& hits, Coherence coherence) const {
     RTCRayHit8 query{};
-    alignas(32) std::array<int, kLanes> valid;
-    for (uint32_t first = 0; first < rays.size; first += kLanes) {
+    alignas(32) std::array<int, kSideBySide> valid;
+    for (uint32_t first = 0; first < rays.size; first += kSideBySide) {
         to_embree(rays, first, INFINITY, valid, query.ray);
-        for (uint32_t k = 0; k < kLanes; ++k) query.hit.geomID[k] = query.hit.instID[0][k] = query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
+        for (uint32_t k = 0; k < kSideBySide; ++k)
+            query.hit.geomID[k] = query.hit.instID[0][k] = query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
         embree::intersect(valid.data(), embree_->all, coherence == Coherence::kRays, query);
-        for (uint32_t k = 0; k < kLanes; ++k) {
+        for (uint32_t k = 0; k < kSideBySide; ++k) {
             const uint32_t i = first + k;
             const float along = query.hit.Ng_x[k] * query.ray.dir_x[k] + query.hit.Ng_y[k] * query.ray.dir_y[k] +
                                 query.hit.Ng_z[k] * query.ray.dir_z[k];
@@ -137,11 +136,11 @@ bool Accel::occluded(const Ray& ray) const {
 
 void Accel::occluded(const RayBlock& segments, std::array<bool, RayBlock::kMost>& blocked) const {
     RTCRay8 query{};
-    alignas(32) std::array<int, kLanes> valid;
-    for (uint32_t first = 0; first < segments.size; first += kLanes) {
+    alignas(32) std::array<int, kSideBySide> valid;
+    for (uint32_t first = 0; first < segments.size; first += kSideBySide) {
         to_embree(segments, first, 1, valid, query);
         embree::occluded(valid.data(), embree_->all, query);
-        for (uint32_t k = 0; k < kLanes; ++k) blocked[first + k] = query.tfar[k] < 0;
+        for (uint32_t k = 0; k < kSideBySide; ++k) blocked[first + k] = query.tfar[k] < 0;
     }
 }
 

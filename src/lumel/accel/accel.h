@@ -26,11 +26,11 @@ struct Hit {
 
 /// Rays side by side, for many queries at once.
 struct RayBlock {
-    static constexpr uint32_t kMost = 512;
+    static constexpr uint32_t kMost = 512, kRoom = kMost + kSideBySide;
 
     uint32_t size = 0;
-    Vec3Array<kMost> origin, direction;
-    alignas(32) std::array<int32_t, kMost> traced;  ///< -1, or 0 for a ray that is left out
+    Vec3Array<kRoom> origin, direction;
+    alignas(32) std::array<int32_t, kRoom> traced;  ///< -1, or 0 for a ray that is left out
 
     Ray operator[](uint32_t i) const { return {origin[i], direction[i]}; }
 };
