@@ -51,6 +51,7 @@ public:
     SideField field(const Estimator& estimator) const;
 
 private:
+    void measure_shot(const Step& step, std::span<const Carried> plain, uint32_t side);
     void measure_bundles(const Step& step, uint32_t side);
     Samples around(uint32_t position) const;
 

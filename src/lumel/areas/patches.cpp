@@ -81,7 +81,7 @@ void PatchAreas::measure_shot(const Step& step, uint32_t area) {
         }
         arrivals.clear();
     };
-    for (const Transfer& transfer : step.transfers.group(side)) {
+    for (const Transfer& transfer : step.transfers.placed(side)) {
         arrivals.add(Surface(*scene_, {triangle, transfer.u, transfer.v}, back), transfer);
         if (arrivals.is_full()) measure();
     }

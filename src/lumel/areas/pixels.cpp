@@ -113,7 +113,7 @@ void PixelAreas::measure(const Step& step) {
 
 void PixelAreas::shoot_side(const Step& step, uint32_t side, std::vector<Deposit>& deposits) const {
     const uint32_t triangle = scene_->triangle_of_side(side);
-    for (const Transfer& transfer : step.transfers.group(side)) {
+    for (const Transfer& transfer : step.transfers.placed(side)) {
         const Surface x(*scene_, {triangle, transfer.u, transfer.v}, scene_->is_back(side));
         const Frame frame(x.shading);
         const Vec3 wi = frame.to_local(transfer.wi);

@@ -28,11 +28,13 @@ struct PatchPlace {
 
     /// The patch that owns the point (u, v).
     static PatchPlace of_point(uint32_t n, float u, float v) {
-        const float fn = static_cast<float>(n);
-        const uint32_t j = std::min(static_cast<uint32_t>(std::max(v, 0.0f) * fn), n - 1);
-        const uint32_t i = std::min(static_cast<uint32_t>(std::max(u, 0.0f) * fn), n - 1 - j);
+        const auto m = static_cast<int32_t>(n);  // which vectors convert from and to floats
+        const auto fn = static_cast<float>(m);
+        const int32_t j = std::min(static_cast<int32_t>(std::max(v, 0.0f) * fn), m - 1);
+        const int32_t i = std::min(static_cast<int32_t>(std::max(u, 0.0f) * fn), m - 1 - j);
         const float rest = u * fn - static_cast<float>(i) + v * fn - static_cast<float>(j);
-        return {i, j, rest > 1.0f && i + j + 1 < n};
+        const bool inverted = (rest > 1.0f) & (i + j + 1 < m);
+        return {static_cast<uint32_t>(i), static_cast<uint32_t>(j), inverted};
     }
     static PatchPlace of_index(uint32_t n, uint32_t index) {
         // Rows from j on hold (n-j)^2 patches together.

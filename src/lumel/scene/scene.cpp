@@ -142,6 +142,8 @@ void Scene::order_along_curve() {
     permute(normal_);
     permute(area_);
     permute(smooth_);
+    plain_.resize(triangles());
+    for (uint32_t t = 0; t < triangles(); ++t) plain_[t] = !smooth_[t] && !material(t).is_glossy();
 }
 
 void Scene::divide(Tessellation tessellation) {
