@@ -13,6 +13,12 @@ namespace lumel {
 /// Barycentric corners (u, v) of one patch in its triangle, where x = (1-u-v) a + u b + v c.
 using PatchCorners = std::array<Square, 3>;
 
+/// The point of a patch with barycentrics `b` in it, in its triangle.
+constexpr Square within(const PatchCorners& c, Square b) {
+    const float w = 1 - b.u - b.v;
+    return {w * c[0].u + b.u * c[1].u + b.v * c[2].u, w * c[0].v + b.u * c[1].v + b.v * c[2].v};
+}
+
 /// Number of lattice points of a triangle with n divisions of each edge.
 constexpr uint32_t lattice_size(uint32_t n) { return (n + 1) * (n + 2) / 2; }
 
