@@ -86,8 +86,16 @@ struct Accel::Embree {
     }
 };
 
-Accel::Accel(const Scene& scene) : scene_(&scene), embree_(std::make_unique<Embree>()) {
-    embree_->device = rtcNewDevice(nullptr);
+bool has(Isa isa) {
+    // What Embree asks for.
+    if (isa == Isa::kAvx2) return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+    return has(Isa::kAvx2) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+}
+
+Accel::Accel(const Scene& scene, Isa isa) : scene_(&scene), embree_(std::make_unique<Embree>()) {
+    if (!has(isa)) throw std::invalid_argument(isa == Isa::kAvx2 ? "this processor has no AVX2" : "this processor has no AVX-512");
+    embree_->device = rtcNewDevice(isa == Isa::kAvx2 ? "isa=avx2" : "isa=avx512");
     if (!embree_->device) throw std::runtime_error("Embree cannot be started (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
     embree_->all = embree_->build(scene, scene.indices());
     std::vector<Indices> lamps;
