@@ -31,9 +31,14 @@ void to_embree(const RayBlock& rays, uint32_t first, float reach, std::array<int
         valid[k] = i < rays.size ? rays.traced[i] : 0;
         query.org_x[k] = rays.origin.x[i], query.org_y[k] = rays.origin.y[i], query.org_z[k] = rays.origin.z[i];
         query.dir_x[k] = rays.direction.x[i], query.dir_y[k] = rays.direction.y[i], query.dir_z[k] = rays.direction.z[i];
-        query.tnear[k] = 0, query.tfar[k] = reach, query.time[k] = 0;
-        query.mask[k] = 0xffffffffu, query.id[k] = 0, query.flags[k] = 0;
+        query.tfar[k] = reach;
     }
+}
+
+/// What Embree leaves as it is from one packet to the next.
+void fill_constants(RTCRay8& ray) {
+    for (uint32_t k = 0; k < kSideBySide; ++k)
+        ray.tnear[k] = 0, ray.time[k] = 0, ray.mask[k] = 0xffffffffu, ray.id[k] = 0, ray.flags[k] = 0;
 }
 
 Hit closest(RTCScene scene, const Ray& ray) {
@@ -120,6 +125,7 @@ Hit Accel::intersect_lamps(const Ray& ray) const {
 
 void Accel::intersect(const RayBlock& rays, HitBlock& hits, Coherence coherence) const {
     RTCRayHit8 query{};
+    fill_constants(query.ray);
     alignas(32) std::array<int, kSideBySide> valid;
     for (uint32_t first = 0; first < rays.size; first += kSideBySide) {
         to_embree(rays, first, INFINITY, valid, query.ray);
@@ -144,6 +150,7 @@ bool Accel::occluded(const Ray& ray) const {
 
 void Accel::occluded(const RayBlock& segments, std::array<bool, RayBlock::kMost>& blocked) const {
     RTCRay8 query{};
+    fill_constants(query);
     alignas(32) std::array<int, kSideBySide> valid;
     for (uint32_t first = 0; first < segments.size; first += kSideBySide) {
         to_embree(segments, first, 1, valid, query);

@@ -73,7 +73,7 @@ public:
 
     /// How many landed on a side.
     size_t arrivals(uint32_t side) const { return placed(side).size() + plain_[side].arrivals; }
-    /// Flux that a plain side got, W.
+    /// Flux that a side got if it is plain, W; 0 otherwise.
     Rgb64 plain_flux(uint32_t side) const { return plain_[side].flux; }
     /// Those that landed on any other side, in the order of their rays.
     std::span<const Transfer> placed(uint32_t side) const { return placed_.of(side); }

@@ -28,7 +28,6 @@ public:
           glossy_(scene.glossy_index(side) != Scene::kNone),
           smooth_(scene.is_smooth(triangle_)) {}
 
-    bool is_plain() const { return scene_->is_plain(triangle_); }
     Incident receive(const Transfer& transfer) const {
         const Vec3 shading = smooth_ ? scene_->shading_normal({triangle_, transfer.u, transfer.v}) * sign_ : normal_;
         const Rgb flux = smooth_ ? transfer.flux * adjoint(shading, normal_, transfer.wi) : transfer.flux;
@@ -100,11 +99,9 @@ void scatter_group(const Scene& scene, const Transfers& transfers, std::span<con
     Rgb64 light_of_small;
     lights.clear();
     for (uint32_t side : sides) {
-        const Receiver receiver(scene, side);
-        Rgb64 sum;
-        if (receiver.is_plain()) {
-            sum = transfers.plain_flux(side);
-        } else {
+        Rgb64 sum = transfers.plain_flux(side);
+        if (!transfers.placed(side).empty()) {
+            const Receiver receiver(scene, side);
             for (const Transfer& transfer : transfers.placed(side)) {
                 const Incident light = receiver.receive(transfer);
                 sum += light.flux;

@@ -99,17 +99,19 @@ void SideSource::add(const Record& record, const Leaving::Floats& cos_o, Leaving
     const uint32_t count = padded(rays.size);
     const Vec3 wi = record.wi;
     const float alpha = material_->alpha, power = record.power;
+    const bool fresnel = material_->fresnel.any;
     Leaving::Floats f, cos_h;
     for (uint32_t i = 0; i < count; ++i) {
         const Vec3 shading = rays.shading[i];
         const float cos_i = dot(shading, wi);
         const Vec3 across = wi + rays.w[i] - shading * (cos_i + cos_o[i]);
         const ggx::LobeAndDensity lobe = ggx::eval_with_pdf(cos_i, cos_o[i], dot(across, across), alpha);
-        f[i] = lobe.f, cos_h[i] = lobe.cos_h;
+        f[i] = lobe.f;
+        if (fresnel) cos_h[i] = lobe.cos_h;
         rays.pdf_aw[i] += power * lobe.pdf_w;
     }
     const Rgb flux = material_->specular * record.flux * (1 / area_);
-    if (material_->fresnel.any)
+    if (fresnel)
         for (uint32_t i = 0; i < count; ++i) rays.radiance.set(i, rays.radiance[i] + flux * material_->fresnel(cos_h[i]) * f[i]);
     else
         for (uint32_t i = 0; i < count; ++i) rays.radiance.set(i, rays.radiance[i] + flux * f[i]);
