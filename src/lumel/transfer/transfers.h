@@ -8,6 +8,7 @@
 
 #include "lumel/math/buffer.h"
 #include "lumel/scene/scene.h"
+#include "lumel/transfer/by_side.h"
 
 namespace lumel {
 
@@ -21,27 +22,6 @@ struct Carried {
 struct Transfer : Carried {
     float u = 0, v = 0;  ///< barycentrics of x in its triangle
     Vec3 wi;             ///< where the light came from
-};
-
-/// Things grouped by the side that they belong to; in each group they keep the order in which they came.
-template <class T>
-class BySide {
-public:
-    std::span<const T> of(uint32_t side) const { return {sorted_.data() + first_[side], first_[side + 1] - first_[side]}; }
-
-    /// Things with the sides that they belong to.
-    struct List {
-        std::span<const uint32_t> sides;
-        std::span<const T> things;
-    };
-    /// Sort the things of many lists, list(0) and so on (counting sort, stable: the same order for any number of threads).
-    template <class Lists>
-    void sort(uint32_t sides, size_t lists, const Lists& list);
-
-private:
-    std::vector<uint32_t> first_;  // sides + 1: those of side s are first_[s] .. first_[s+1]
-    Buffer<T> sorted_;
-    Buffer<uint32_t> counts_;      // of every side for each thread's share of the blocks
 };
 
 /// The transfers of a block of rays in the order of these: those that ended on plain sides, and all others with their places.
@@ -78,8 +58,8 @@ public:
     /// Those that landed on any other side, in the order of their rays.
     std::span<const Transfer> placed(uint32_t side) const { return placed_.of(side); }
 
-    /// What landed on plain sides one by one, grouped as well: few ask for it.
-    BySide<Carried> plain_by_side() const;
+    /// Group what landed on plain sides one by one as well, into `sorted`: few ask for it.
+    void group_plain(BySide<Carried>& sorted) const;
 
 private:
     struct Sum {

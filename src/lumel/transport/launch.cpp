@@ -18,7 +18,7 @@ void launch(const Leaving& __restrict rays, Vec3 normal, Vec3 offset, float defe
         const Vec3 w = rays.w[k];
         const float cos = dot(normal, w), density = rays.pdf_aw[k] + defensive * cos;
         // cos(theta_y) / (n p_y): étendue keeps it to where the ray ends ([WIS] 3.1, with its cosine).
-        const float quotient = cos / density, inv_pdf = (cos > 1e-6f) & (quotient < kMostInvPdf) ? quotient : 0.0f;
+        const float quotient = cos / density, inv_pdf = (cos > 1e-6f && quotient < kMostInvPdf) ? quotient : 0.0f;
         flights.rays.origin.set(i + k, rays.y[k] + offset), flights.rays.direction.set(i + k, w);
         flights.flux.set(i + k, rays.radiance[k] * inv_pdf), flights.behind_mirror.set(i + k, behind_mirror * inv_pdf);
         flights.inv_pdf[i + k] = inv_pdf;

@@ -89,7 +89,7 @@ Lost land(const Scene& scene, const Flights& flights, const HitBlock& hits, Tran
     for (uint32_t i = 0; i < count; ++i) {
         hit[i] = hits.triangle[i] != Hit::kMiss;
         triangle[i] = hit[i] ? hits.triangle[i] : 0;
-        arrives[i] = flights.rays.traced[i] & hit[i] & ((flights.inv_pdf[i] > 0) | (max_component(flights.flux[i]) > 0));
+        arrives[i] = std::max(flights.inv_pdf[i], max_component(flights.flux[i])) > 0 ? flights.rays.traced[i] & hit[i] : 0;
     }
     scene.tessellation().patches_of(triangle.data(), hits.u.data(), hits.v.data(), count, side.data());
     for (uint32_t i = 0; i < count; ++i) side[i] += hits.back[i] ? scene.patches() : 0;
