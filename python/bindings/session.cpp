@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "arrays.h"
@@ -27,6 +28,12 @@ Value named(const char* what, const std::string& name, const std::array<std::pai
 constexpr std::array<std::pair<const char*, Transport>, 3> kTransports{
     {{"walk", Transport::kWalk}, {"rays", Transport::kRays}, {"bundles", Transport::kBundles}}};
 constexpr std::array<std::pair<const char*, AreaKind>, 2> kAreas{{{"patches", AreaKind::kPatches}, {"pixels", AreaKind::kPixels}}};
+/// The name of a value in such a table.
+template <class Value, size_t N>
+const char* name_of(Value value, const std::array<std::pair<const char*, Value>, N>& table) {
+    return std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry.second == value; })->first;
+}
+
 constexpr std::array<std::pair<const char*, Iteration>, 2> kIterations{{{"frozen", Iteration::kFrozen}, {"plain", Iteration::kPlain}}};
 
 /// A session that works with a given number of threads, and lets other Python threads run meanwhile.
@@ -35,7 +42,7 @@ public:
     BoundSession(const Scene& scene, const std::vector<Camera>& cameras, const std::string& transport, const std::string& areas,
                  const std::string& estimator, float defensive, float gather, std::optional<bool> weight_diffuse, bool first_shot,
                  uint32_t direct_samples, uint64_t seed, int threads, const std::string& iteration, uint32_t window,
-                 uint64_t adaptive_patches)
+                 uint64_t adaptive_patches, const std::optional<std::string>& isa)
         : limit_(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)), arena_(threads) {
         SessionConfig config;
         config.solver = {.transport = named("transport", transport, kTransports),
@@ -49,6 +56,7 @@ public:
         config.areas = named("areas", areas, kAreas);
         config.weight_diffuse = weight_diffuse;
         config.adaptive_patches = adaptive_patches;
+        if (isa) config.isa = named("isa", *isa, kIsas);
         config.estimator = find_estimator(estimator);
         if (!config.estimator) throw nb::value_error("unknown estimator");
         run([&] { session_ = std::make_unique<Session>(scene, cameras, config); });
@@ -97,12 +105,18 @@ public:
             count += static_cast<uint64_t>(-std::accumulate(block.traced.begin(), block.traced.begin() + block.size, 0));
         return count;
     }
-    void trace_captured() {
+    /// Eight at a time, or one by one.
+    void trace_captured(bool single) {
         run([&] {
             tbb::parallel_for(size_t{0}, captured_.size(), [&](size_t block) {
                 const FlushDenormals flush;
+                const RayBlock& rays = captured_[block];
                 HitBlock hits;
-                session_->accel().intersect(captured_[block], hits);
+                if (!single)
+                    session_->accel().intersect(rays, hits);
+                else
+                    for (uint32_t i = 0; i < rays.size; ++i)
+                        if (rays.traced[i]) hits.set(i, session_->accel().intersect(rays[i]));
             });
         });
     }
@@ -216,6 +230,7 @@ nb::typed<nb::dict, nb::str, nb::object> stats(BoundSession& self) {
     Solver& solver = self.session().solver();
     nb::typed<nb::dict, nb::str, nb::object> d;
     const SolverStats counted = solver.stats();
+    d["isa"] = name_of(session.isa(), kIsas);
     d["rays"] = counted.rays;
     d["escaped_rays"] = counted.escaped;
     d["replicas"] = solver.replicas();
@@ -244,10 +259,12 @@ Array reach_of_lamps(BoundSession& self, uint32_t samples) {
 void bind_session(nb::module_& m) {
     nb::class_<BoundSession>(m, "Session")
         .def(nb::init<const Scene&, const std::vector<Camera>&, const std::string&, const std::string&, const std::string&, float, float,
-                      std::optional<bool>, bool, uint32_t, uint64_t, int, const std::string&, uint32_t, uint64_t>(),
+                      std::optional<bool>, bool, uint32_t, uint64_t, int, const std::string&, uint32_t, uint64_t,
+                      const std::optional<std::string>&>(),
              nb::arg("scene"), nb::arg("cameras"), nb::arg("transport"), nb::arg("areas"), nb::arg("estimator"), nb::arg("defensive"),
              nb::arg("gather"), nb::arg("weight_diffuse").none(), nb::arg("first_shot"), nb::arg("direct_samples"), nb::arg("seed"),
-             nb::arg("threads"), nb::arg("iteration") = "frozen", nb::arg("window") = 0, nb::arg("adaptive_patches") = 0)
+             nb::arg("threads"), nb::arg("iteration") = "frozen", nb::arg("window") = 0, nb::arg("adaptive_patches") = 0,
+             nb::arg("isa") = nb::none())
         .def("begin_replica", &BoundSession::begin_replica, nb::arg("solve_rays"))
         .def("step", &BoundSession::step, nb::arg("work"))
         .def("end_replica", &BoundSession::end_replica)
@@ -256,7 +273,7 @@ void bind_session(nb::module_& m) {
         .def("reconstruct", &BoundSession::reconstruct)
         .def("eye_pass", &BoundSession::eye_pass, nb::arg("camera"), nb::arg("samples"))
         .def("capture", &BoundSession::capture, nb::arg("rays"))
-        .def("trace_captured", &BoundSession::trace_captured)
+        .def("trace_captured", &BoundSession::trace_captured, nb::arg("single") = false)
         .def("stop", [](BoundSession& self) { self.session().stop(); })
         .def("layers", layers, nb::arg("camera"))
         .def("lamp_reach", reach_of_lamps, nb::arg("samples"))
@@ -278,6 +295,12 @@ void bind_session(nb::module_& m) {
         .def_prop_ro(
             "scene", [](BoundSession& self) -> const Scene& { return self.session().scene(); }, nb::rv_policy::reference_internal)
         .def_prop_ro("stats", stats);
+    m.def("isas", [] {
+        std::vector<std::string> names;
+        for (const auto& [name, isa] : kIsas)
+            if (has(isa)) names.emplace_back(name);
+        return names;
+    });
     m.def("estimators", [] {
         std::vector<std::string> names;
         for (const Estimator& e : estimators()) names.emplace_back(e.name);

@@ -24,21 +24,31 @@ EYE_SAMPLES = 4  # a pixel and pass
 BESIDE = 0.01  # metres between eyes, for each metre that the scene is large
 
 
-def run(scene: Scene, patches: int | None = None, cameras: int = 1, threads: int = 1, rays: int = RAYS) -> dict[str, Any]:
-    """Measure on `scene`: the keys of `lumel bench --json` (see docs/cli.md). Steps and raw tracing of the same rays take turns."""
+def run(
+    scene: Scene, patches: int | None = None, cameras: int = 1, threads: int = 1, rays: int = RAYS, isa: str | None = None
+) -> dict[str, Any]:
+    """Measure on `scene`: the keys of `lumel bench --json` (see docs/cli.md). Steps and raw tracing of the same rays take turns.
+
+    isa: as in `lumel.render`.
+    """
     scene, _ = with_camera(scene)
     core, _ = to_core(scene, patches)
     eyes = _row(scene.cameras[0], cameras, core.radius)
-    shooting = _session(core, eyes, threads)
+    shooting = _session(core, eyes, threads, isa)
     shooting.begin_replica(rays)
     shooting.step(rays)  # opens memory
     traced = shooting.capture(rays)
     raster = _core.Raster(core, threads)
     pairs = raster.sweep(WINDOW, DIRECTIONS, 0)["pairs"]
-    trace, step, sweep = _turns(shooting.trace_captured, lambda: shooting.step(rays), lambda: raster.sweep(WINDOW, DIRECTIONS, 0))
+    trace, single, step, sweep = _turns(
+        shooting.trace_captured,
+        lambda: shooting.trace_captured(single=True),
+        lambda: shooting.step(rays),
+        lambda: raster.sweep(WINDOW, DIRECTIONS, 0),
+    )
     shooting.end_replica()
 
-    dark = _session(core, eyes[:1], threads, first_shot=False)
+    dark = _session(core, eyes[:1], threads, isa, first_shot=False)
     for session in (shooting, dark):
         session.begin_replica(rays // 8)
         session.step(rays // 8)
@@ -48,10 +58,13 @@ def run(scene: Scene, patches: int | None = None, cameras: int = 1, threads: int
     samples = eyes[0].width * eyes[0].height * EYE_SAMPLES
     return {
         "embree_rays_per_s": traced / trace,
+        "embree_single_rays_per_s": traced / single,
         "shooting_rays_per_s": rays / step,
         "shooting_over_embree": rays / step / (traced / trace),
+        "shooting_over_embree_single": rays / step / (traced / single),
         "bundle_transfers_per_s": pairs / sweep,
         "bundles_over_embree": pairs / sweep / (traced / trace),
+        "bundles_over_embree_single": pairs / sweep / (traced / single),
         "eye_pixels_per_s": samples / seen,
         "eye_pixels_per_s_without_direct": samples / without,
         "peak_rss_bytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
@@ -59,10 +72,11 @@ def run(scene: Scene, patches: int | None = None, cameras: int = 1, threads: int
         "patches": core.patches,
         "cameras": cameras,
         "threads": threads,
+        "isa": shooting.stats["isa"],
     }
 
 
-def _session(core: _core.Scene, cameras: list[Camera], threads: int, first_shot: bool = True) -> _core.Session:
+def _session(core: _core.Scene, cameras: list[Camera], threads: int, isa: str | None, first_shot: bool = True) -> _core.Session:
     """Ray shooting alone, weighted, in patches: no ray is gathered."""
     return _core.Session(
         scene=core,
@@ -77,6 +91,7 @@ def _session(core: _core.Scene, cameras: list[Camera], threads: int, first_shot:
         direct_samples=DIRECT_SAMPLES,
         seed=0,
         threads=threads,
+        isa=isa,
     )
 
 

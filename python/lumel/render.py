@@ -54,6 +54,7 @@ def render(
     directions: int | None = None,
     window: int | None = None,
     iteration: str = "frozen",
+    isa: str | None = None,
     progress: Callable[[Progress], None] | None = None,
     draft: Callable[[Result], None] | None = None,
     interrupted: Callable[[], bool] | None = None,
@@ -75,11 +76,12 @@ def render(
     draft or of less than 4 s or 4 M rays). camera: a name, `all`, or None for the first. size: (width, height) in pixels.
     threads: 0 for all. layers: names that the result must have. window: pixels of an edge of
     the square that bundles are rasterised into, 16 to 4096 (None: about 16 pixels a patch). iteration: bundles carry the
-    light of a solved state (`frozen`), or what the bundle before brought (`plain`, as in the paper). explain: the result tells
+    light of a solved state (`frozen`), or what the bundle before brought (`plain`, as in the paper). isa: the instruction set
+    that rays are traced with, `avx2` or `avx512` (None: the best that there is). explain: the result tells
     where the light went and what was made of it. progress is called now and then; draft is given a first result after a second or
     so, then better ones, each after twice the time; interrupted is asked between steps, and True
     ends the work early with a valid result. started: time.monotonic() of when the files were read. Equal seed and rays or
-    directions give equal bytes for any number of threads.
+    directions give equal bytes for any number of threads, and with an isa on any machine that has it.
 
     Raises SettingsError or SceneError with all that is wrong.
     """
@@ -89,7 +91,7 @@ def render(
     scene, framed = with_camera(scene)
     settings = Settings(
         transport, areas, estimator, defensive, gather, weight_diffuse, first_shot, rays, time, error, patches, adaptive, quality, camera,
-        size, seed, threads, layers, directions, window, iteration,
+        size, seed, threads, layers, directions, window, iteration, isa,
     )  # fmt: skip
     settings.check(scene)
     cameras = settings.cameras(scene)
@@ -114,6 +116,7 @@ def render(
             iteration=iteration,
             window=window or 0,
             adaptive_patches=adaptive_patches,
+            isa=isa,
         )
 
     # Bundles, which may be chosen in a trial, know even patches alone.

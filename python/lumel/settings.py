@@ -21,6 +21,7 @@ ADAPTIVE_TIME, ADAPTIVE_RAYS = 4.0, 4_000_000  # s and rays from which on adapti
 ITERATIONS = ("frozen", "plain")
 WINDOWS = (16, 4096)  # least and most pixels of an edge
 AREAS = ("patches", "pixels")
+ISAS = ("avx2", "avx512")
 GATHER = 16.0  # gathering rays an area and 2^20 shooting rays, where the estimator divides by their density: measured in docs/results.md
 LARGEST_PICTURE = 32_768  # pixels a side
 BYTES_PER_PIXEL = 700  # of memory, for each camera
@@ -69,6 +70,7 @@ class Settings:
     directions: int | None = None
     window: int | None = None
     iteration: str = "frozen"
+    isa: str | None = None
 
     def check(self, scene: Scene) -> None:
         """Raise SettingsError with all that is out of range or unknown."""
@@ -143,9 +145,13 @@ class Settings:
             "quality": (self.quality, tuple(QUALITIES)),
             "iteration": (self.iteration, ITERATIONS),
         }
+        if self.isa is not None:
+            choices["isa"] = (self.isa, ISAS)
         for name, (value, allowed) in choices.items():
             if value not in allowed:
                 yield f"unknown {name} '{value}'; {nearest(str(value), allowed)}"
+        if self.isa in ISAS and self.isa not in (here := _core.isas()):
+            yield f"isa is {self.isa}, which this processor does not have; allowed: {', '.join(here)}"
         for layer in (self.layers,) if isinstance(self.layers, str) else self.layers or ():
             if layer not in ("all", "rgb", *LAYERS, *DIAGNOSTICS):
                 yield f"unknown layer '{layer}'; {nearest(layer, ('all', 'rgb', *LAYERS, *DIAGNOSTICS))}"

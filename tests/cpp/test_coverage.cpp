@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
 
 #include "lumel/areas/pixels.h"
 #include "runs.h"
@@ -77,8 +78,29 @@ Measured<PixelAreas> pixels_of(const Stage& stage) {
     return {std::move(areas), std::move(weights)};
 }
 
-/// Changes the transfers of a step before they are measured.
-using Tamper = std::function<void(const Stage&, std::vector<Transfer>&)>;
+/// Changes a transfer that ended on a side before it is measured.
+using Tamper = std::function<void(const Stage&, uint32_t side, Transfer&)>;
+
+/// The transfers of a step on all that is not plain, each of them changed.
+Transfers tampered(const Stage& stage, const Transfers& step, const Tamper& tamper) {
+    std::vector<std::pair<uint32_t, Transfer>> all;
+    for (uint32_t side = 0; side < stage.scene.sides(); ++side)
+        for (Transfer transfer : step.placed(side)) {
+            tamper(stage, side, transfer);
+            all.emplace_back(side, transfer);
+        }
+    Transfers changed;
+    changed.rays = step.rays;
+    const size_t blocks = (all.size() + TransferBlock::kMost - 1) / TransferBlock::kMost;
+    changed.open(blocks);
+    for (size_t b = 0; b < blocks; ++b) changed.block(b).plain_size = changed.block(b).placed_size = 0;
+    for (size_t i = 0; i < all.size(); ++i) {
+        TransferBlock& block = changed.block(i / TransferBlock::kMost);
+        block.placed_side[block.placed_size] = all[i].first, block.placed[block.placed_size++] = all[i].second;
+    }
+    changed.group_by_side(stage.scene.sides());
+    return changed;
+}
 
 struct CoverageRun {
     Transport transport = Transport::kRays;
@@ -96,9 +118,9 @@ std::map<std::string, Coverage> coverage(const Stage& stage, const CoverageRun& 
         double samples = 0;
         uint64_t generations = 0;
         const Sink sink = [&](const Generation& generation) {
-            Transfers transfers = generation.transfers;
-            if (run.tamper) run.tamper(stage, transfers.all);
-            const Step step{.transfers = transfers,
+            const std::optional<Transfers> changed = run.tamper ? std::optional(tampered(stage, generation.transfers, run.tamper))
+                                                                : std::nullopt;
+            const Step step{.transfers = changed ? *changed : generation.transfers,
                             .sight = generation.sight,
                             .bundles = generation.bundles,
                             .stream = key(64, replica, generations++)};
@@ -112,14 +134,11 @@ std::map<std::string, Coverage> coverage(const Stage& stage, const CoverageRun& 
     return {{"patches", patches.coverage()}, {"pixels", pixels.coverage()}};
 }
 
-void leave_out_cosine(const Stage& stage, std::vector<Transfer>& transfers) {
-    for (Transfer& t : transfers) {
-        if (t.side == Transfer::kLost) continue;
-        const Scene& scene = stage.scene;
-        const Surface x(scene, {scene.triangle_of_side(t.side), t.u, t.v}, scene.is_back(t.side));
-        const Hit y = stage.accel.intersect({x.off(scene.epsilon()), t.wi});
-        if (!y.is_miss()) t.inv_pdf /= std::max(1e-3f, std::abs(dot(scene.geometric_normal(y.triangle), t.wi)));
-    }
+void leave_out_cosine(const Stage& stage, uint32_t side, Transfer& t) {
+    const Scene& scene = stage.scene;
+    const Surface x(scene, {scene.triangle_of_side(side), t.u, t.v}, scene.is_back(side));
+    const Hit y = stage.accel.intersect({x.off(scene.epsilon()), t.wi});
+    if (!y.is_miss()) t.inv_pdf /= std::max(1e-3f, std::abs(dot(scene.geometric_normal(y.triangle), t.wi)));
 }
 
 /// Walls of which one is black, a glossy floor and box, and a lamp that shines from one side.

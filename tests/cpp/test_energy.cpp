@@ -82,6 +82,7 @@ TEST(Energy, what_surfaces_absorb_is_what_lamps_emit) {
     // Any roughness and angle: the sum over all transfers of their flux times 1 - a_d - a_s(wi) is the power of the lamps.
     const Stage stage(room_with_lamp(glossy(grey(0.3f), grey(0.6f), 0.4f)).build(600));
     const Scene& scene = stage.scene;
+    for (uint32_t triangle = 0; triangle < scene.triangles(); ++triangle) ASSERT_FALSE(scene.is_plain(triangle));
     for (Transport transport : kTransports) {
         std::vector<double> values;
         for (uint64_t replica = 0; replica < 8; ++replica) {
@@ -89,9 +90,9 @@ TEST(Energy, what_surfaces_absorb_is_what_lamps_emit) {
             double absorbed = 0;
             size_t bundles = 0;
             const Sink sink = [&](const Generation& generation) {
-                for (const Transfer& t : generation.transfers.all)
-                    if (t.side != Transfer::kLost)
-                        absorbed += absorbed_of(t.flux, {scene, {scene.triangle_of_side(t.side), t.u, t.v}, scene.is_back(t.side)}, t.wi);
+                for (uint32_t side = 0; side < scene.sides(); ++side)
+                    for (const Transfer& t : generation.transfers.placed(side))
+                        absorbed += absorbed_of(t.flux, {scene, {scene.triangle_of_side(side), t.u, t.v}, scene.is_back(side)}, t.wi);
                 for (const Bundle& bundle : generation.bundles)
                     for (uint32_t side = 0; side < scene.sides(); ++side) {
                         const Surface x(scene, scene.centre_of_patch(scene.patch_of_side(side)), scene.is_back(side));

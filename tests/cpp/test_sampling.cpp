@@ -133,3 +133,14 @@ TEST(Distribution, finds_the_owner_and_never_an_empty_item) {
     EXPECT_GT(chi_square_p(observed, expected), kSignificance);
     EXPECT_EQ(Distribution().total(), 0);
 }
+
+TEST(Distribution, finds_the_same_from_anywhere) {
+    Rng rng(key(19));
+    const Distribution d(1000, [&](uint32_t i) { return i % 5 == 0 ? 0.0f : rng.uniform(); });
+    for (int k = 0; k < 2000; ++k) {
+        const double at = double{rng.uniform()} * d.total();
+        const auto from = static_cast<uint32_t>(rng.uniform() * 1000);
+        EXPECT_EQ(d.find(at, from), d.find(at));
+    }
+    for (uint32_t from : {0u, 500u, 999u}) EXPECT_EQ(d.find(d.total(), from), d.find(d.total()));
+}

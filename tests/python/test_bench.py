@@ -11,7 +11,10 @@ from lumel.scenes import build
 
 def test_bench_says_what_it_measured() -> None:
     found = run(build("cube"), patches=600, cameras=2, threads=1, rays=4096)
-    assert found["shooting_over_embree"] == pytest.approx(found["shooting_rays_per_s"] / found["embree_rays_per_s"])
+    for which in ("", "_single"):
+        embree = found[f"embree{which}_rays_per_s"]
+        assert found[f"shooting_over_embree{which}"] == pytest.approx(found["shooting_rays_per_s"] / embree)
+        assert found[f"bundles_over_embree{which}"] == pytest.approx(found["bundle_transfers_per_s"] / embree)
     assert found["eye_pixels_per_s"] > 0
     assert found["peak_rss_bytes"] > 0
     assert (found["cameras"], found["threads"], found["triangles"]) == (2, 1, 12)

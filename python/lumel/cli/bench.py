@@ -22,6 +22,7 @@ def bench(
     patches: options.Patches = None,
     cameras: Annotated[int, typer.Option("--cameras", metavar="N", help="Eyes that measure at once, side by side; 1 by default.")] = 1,
     threads: options.Threads = None,
+    isa: options.Isa = None,
     define: options.Define = None,
     lenient: options.Lenient = False,
 ) -> None:
@@ -34,7 +35,7 @@ def bench(
     with reporting():
         from ..settings import Settings
 
-        settings = Settings(patches=count, threads=threads or 0)
+        settings = Settings(patches=count, threads=threads or 0, isa=isa)
         problems += settings.problems()
         if problems:
             raise SettingsError(problems)
@@ -42,7 +43,7 @@ def bench(
         from ..readers import load
 
         loaded = load(scene, defines=defines, lenient=lenient)
-        found = run(loaded, count, cameras, settings.thread_count())
+        found = run(loaded, count, cameras, settings.thread_count(), isa=isa)
         print(text.to_json(found, indent=2) if as_json else tell(found))
 
 
@@ -50,15 +51,21 @@ def tell(found: Mapping[str, Any]) -> str:
     """The numbers for people, with the ratios behind them."""
     size = f"{found['triangles']:,} triangles, {found['patches']:,} patches"
     lines = [
-        f"scene      {size}, {_plural(found['cameras'], 'eye')}, {_plural(found['threads'], 'thread')}",
-        f"Embree     {text.count(found['embree_rays_per_s'], 'rays/s')}, closest hits of the rays that are shot",
-        f"shooting   {text.count(found['shooting_rays_per_s'], 'rays/s')} all in, {found['shooting_over_embree']:.2f} of Embree",
-        f"bundles    {text.count(found['bundle_transfers_per_s'], 'transfers/s')}, {found['bundles_over_embree']:.0f} of Embree",
+        f"scene      {size}, {_plural(found['cameras'], 'eye')}, {_plural(found['threads'], 'thread')}, {found['isa']}",
+        f"Embree     {text.count(found['embree_rays_per_s'], 'rays/s')}, closest hits of the rays that are shot, eight at a time",
+        f"           {text.count(found['embree_single_rays_per_s'], 'rays/s')} one by one",
+        f"shooting   {text.count(found['shooting_rays_per_s'], 'rays/s')} all in, {_ratios(found, 'shooting', 2)}",
+        f"bundles    {text.count(found['bundle_transfers_per_s'], 'transfers/s')}, {_ratios(found, 'bundles', 0)}",
         f"eye pass   {text.count(found['eye_pixels_per_s'], 'samples/s')}",
         f"           {text.count(found['eye_pixels_per_s_without_direct'], 'samples/s')} without direct light",
         f"memory     {found['peak_rss_bytes'] / 2**20:,.0f} MB at most",
     ]
     return "\n".join(lines)
+
+
+def _ratios(found: Mapping[str, Any], what: str, digits: int) -> str:
+    eight, one = (found[f"{what}_over_embree{which}"] for which in ("", "_single"))
+    return f"{eight:.{digits}f} of Embree eight at a time, {one:.{digits}f} of one by one"
 
 
 def _plural(number: int, noun: str) -> str:

@@ -53,6 +53,7 @@ Half = Annotated[bool, typer.Option("--half", help="Store 16-bit floats in the E
 Exposure = Annotated[float, typer.Option("--exposure", metavar="EV", help="Brighten the PNG by 2^EV.")]
 Seed = Annotated[int | None, typer.Option("--seed", metavar="N", help="Of the random numbers; 0 by default.")]
 Threads = Annotated[int | None, typer.Option("--threads", metavar="N", help="One for each processor by default.")]
+Isa = Annotated[str | None, typer.Option("--isa", metavar="avx2|avx512", help="Instructions to trace rays with; the best by default.")]
 Define = Annotated[list[str] | None, typer.Option("-D", metavar="name=value", help="Set $name in the scene; repeat for several.")]
 Lenient = Annotated[bool, typer.Option("--lenient", help="Go on without what the reader does not know.")]
 Explain = Annotated[

@@ -50,6 +50,7 @@ def render(
     exposure: options.Exposure = 0.0,
     seed: options.Seed = None,
     threads: options.Threads = None,
+    isa: options.Isa = None,
     define: options.Define = None,
     lenient: options.Lenient = False,
     explain: options.Explain = False,
@@ -68,7 +69,7 @@ def render(
         "transport": transport, "areas": areas, "estimator": estimator, "defensive": defensive, "gather": gather,
         "weight_diffuse": weight_diffuse, "first_shot": first_shot, "patches": values.count("--patches", patches, problems),
         "quality": quality, "camera": camera, "size": values.size(size, problems), "layers": wanted, "explain": explain or None,
-        "seed": seed, "threads": threads, "window": window, "iteration": iteration, "adaptive": adaptive,
+        "seed": seed, "threads": threads, "window": window, "iteration": iteration, "adaptive": adaptive, "isa": isa,
     }  # fmt: skip
     show = show or progress.default_kind()
     values.choice("--progress", show, progress.KINDS, problems)

@@ -15,8 +15,6 @@ namespace {
 
 constexpr unsigned kFlush = _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON;
 
-constexpr uint32_t kLanes = 8;
-
 RTCRay to_embree(const Ray& ray) {
     RTCRay r;
     r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
@@ -26,16 +24,21 @@ RTCRay to_embree(const Ray& ray) {
     return r;
 }
 
-/// The kLanes rays of a block from `first` on.
-void to_embree(const RayBlock& rays, uint32_t first, float reach, std::array<int, kLanes>& valid, RTCRay8& query) {
-    for (uint32_t k = 0; k < kLanes; ++k) {
+/// The kSideBySide rays of a block from `first` on.
+void to_embree(const RayBlock& rays, uint32_t first, float reach, std::array<int, kSideBySide>& valid, RTCRay8& query) {
+    for (uint32_t k = 0; k < kSideBySide; ++k) {
         const uint32_t i = first + k;
         valid[k] = i < rays.size ? rays.traced[i] : 0;
         query.org_x[k] = rays.origin.x[i], query.org_y[k] = rays.origin.y[i], query.org_z[k] = rays.origin.z[i];
         query.dir_x[k] = rays.direction.x[i], query.dir_y[k] = rays.direction.y[i], query.dir_z[k] = rays.direction.z[i];
-        query.tnear[k] = 0, query.tfar[k] = reach, query.time[k] = 0;
-        query.mask[k] = 0xffffffffu, query.id[k] = 0, query.flags[k] = 0;
+        query.tfar[k] = reach;
     }
+}
+
+/// What Embree leaves as it is from one packet to the next.
+void fill_constants(RTCRay8& ray) {
+    for (uint32_t k = 0; k < kSideBySide; ++k)
+        ray.tnear[k] = 0, ray.time[k] = 0, ray.mask[k] = 0xffffffffu, ray.id[k] = 0, ray.flags[k] = 0;
 }
 
 Hit closest(RTCScene scene, const Ray& ray) {
@@ -88,8 +91,16 @@ struct Accel::Embree {
     }
 };
 
-Accel::Accel(const Scene& scene) : scene_(&scene), embree_(std::make_unique<Embree>()) {
-    embree_->device = rtcNewDevice(nullptr);
+bool has(Isa isa) {
+    // What Embree asks for.
+    if (isa == Isa::kAvx2) return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+    return has(Isa::kAvx2) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+}
+
+Accel::Accel(const Scene& scene, Isa isa) : scene_(&scene), embree_(std::make_unique<Embree>()) {
+    if (!has(isa)) throw std::invalid_argument(isa == Isa::kAvx2 ? "this processor has no AVX2" : "this processor has no AVX-512");
+    embree_->device = rtcNewDevice(isa == Isa::kAvx2 ? "isa=avx2" : "isa=avx512");
     if (!embree_->device) throw std::runtime_error("Embree cannot be started (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
     embree_->all = embree_->build(scene, scene.indices());
     std::vector<Indices> lamps;
@@ -114,12 +125,14 @@ Hit Accel::intersect_lamps(const Ray& ray) const {
 
 void Accel::intersect(const RayBlock& rays, HitBlock& hits, Coherence coherence) const {
     RTCRayHit8 query{};
-    alignas(32) std::array<int, kLanes> valid;
-    for (uint32_t first = 0; first < rays.size; first += kLanes) {
+    fill_constants(query.ray);
+    alignas(32) std::array<int, kSideBySide> valid;
+    for (uint32_t first = 0; first < rays.size; first += kSideBySide) {
         to_embree(rays, first, INFINITY, valid, query.ray);
-        for (uint32_t k = 0; k < kLanes; ++k) query.hit.geomID[k] = query.hit.instID[0][k] = query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
+        for (uint32_t k = 0; k < kSideBySide; ++k)
+            query.hit.geomID[k] = query.hit.instID[0][k] = query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
         embree::intersect(valid.data(), embree_->all, coherence == Coherence::kRays, query);
-        for (uint32_t k = 0; k < kLanes; ++k) {
+        for (uint32_t k = 0; k < kSideBySide; ++k) {
             const uint32_t i = first + k;
             const float along = query.hit.Ng_x[k] * query.ray.dir_x[k] + query.hit.Ng_y[k] * query.ray.dir_y[k] +
                                 query.hit.Ng_z[k] * query.ray.dir_z[k];
@@ -137,11 +150,12 @@ bool Accel::occluded(const Ray& ray) const {
 
 void Accel::occluded(const RayBlock& segments, std::array<bool, RayBlock::kMost>& blocked) const {
     RTCRay8 query{};
-    alignas(32) std::array<int, kLanes> valid;
-    for (uint32_t first = 0; first < segments.size; first += kLanes) {
+    fill_constants(query);
+    alignas(32) std::array<int, kSideBySide> valid;
+    for (uint32_t first = 0; first < segments.size; first += kSideBySide) {
         to_embree(segments, first, 1, valid, query);
         embree::occluded(valid.data(), embree_->all, query);
-        for (uint32_t k = 0; k < kLanes; ++k) blocked[first + k] = query.tfar[k] < 0;
+        for (uint32_t k = 0; k < kSideBySide; ++k) blocked[first + k] = query.tfar[k] < 0;
     }
 }
 

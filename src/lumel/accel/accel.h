@@ -1,7 +1,9 @@
 // Ray queries against the undivided triangles of a scene.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <utility>
 
 #include "lumel/math/vec_array.h"
 #include "lumel/scene/scene.h"
@@ -26,11 +28,11 @@ struct Hit {
 
 /// Rays side by side, for many queries at once.
 struct RayBlock {
-    static constexpr uint32_t kMost = 512;
+    static constexpr uint32_t kMost = 512, kRoom = kMost + kSideBySide;
 
     uint32_t size = 0;
-    Vec3Array<kMost> origin, direction;
-    alignas(32) std::array<int32_t, kMost> traced;  ///< -1, or 0 for a ray that is left out
+    Vec3Array<kRoom> origin, direction;
+    alignas(32) std::array<int32_t, kRoom> traced;  ///< -1, or 0 for a ray that is left out
 
     Ray operator[](uint32_t i) const { return {origin[i], direction[i]}; }
 };
@@ -60,11 +62,19 @@ private:
 /// What neighbours in a block have in common: about their origins alone, or their directions too, as rays from one eye have.
 enum class Coherence { kOrigins, kRays };
 
+/// Instruction sets that Embree traces with. Where rays meet edges, and in the last digits of hits, they differ by rounding.
+enum class Isa { kAvx2, kAvx512 };
+inline constexpr std::array<std::pair<const char*, Isa>, 2> kIsas{{{"avx2", Isa::kAvx2}, {"avx512", Isa::kAvx512}}};
+/// Does this processor have it?
+bool has(Isa isa);
+/// The fastest that this processor has.
+inline Isa best_isa() { return has(Isa::kAvx512) ? Isa::kAvx512 : Isa::kAvx2; }
+
 /// An acceleration structure; safe to use from many threads.
 class Accel {
 public:
-    /// Build over `scene`, which must outlive the structure.
-    explicit Accel(const Scene& scene);
+    /// Build over `scene`, which must outlive the structure, to trace with `isa`, which this processor must have.
+    explicit Accel(const Scene& scene, Isa isa = best_isa());
     ~Accel();
     Accel(Accel&&) noexcept;
 

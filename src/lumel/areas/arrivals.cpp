@@ -6,17 +6,19 @@ void Arrivals::look_from(Vec3 eye, float gather_density) {
     // w_s = f_s cos(theta_i) towards the eye, and n_g p_g, the density of gathering wi from there.
     const uint32_t count = size_;
     const float alpha = material_->alpha;
+    const bool fresnel = material_->fresnel.any;
     Floats f_cos, cos_h;
     for (uint32_t i = 0; i < count; ++i) {
         const Vec3 shading = shading_[i], wo = normalize(eye - x_[i]);
         const float cos_o = dot(shading, wo);
         const Vec3 across = wi_[i] + wo - shading * (cos_i_[i] + cos_o);
         const ggx::LobeAndDensity lobe = ggx::eval_with_pdf(cos_o, cos_i_[i], dot(across, across), alpha);
-        f_cos[i] = lobe.f * cos_i_[i], cos_h[i] = lobe.cos_h;
+        f_cos[i] = lobe.f * cos_i_[i];
+        if (fresnel) cos_h[i] = lobe.cos_h;
         gathered_[i] = gather_density * lobe.pdf_w;
     }
     const Rgb tint = material_->specular;
-    if (material_->fresnel.any)
+    if (fresnel)
         for (uint32_t i = 0; i < count; ++i) scatter_.set(i, tint * material_->fresnel(cos_h[i]) * f_cos[i]);
     else
         for (uint32_t i = 0; i < count; ++i) scatter_.set(i, tint * f_cos[i]);

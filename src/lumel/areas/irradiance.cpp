@@ -29,19 +29,27 @@ SideField SideMoments::field(uint32_t replicas) const {
 }
 
 void IrradianceAreas::measure(const Step& step) {
+    step.transfers.group_plain(plain_);
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene_->sides(), kSides), [&](const auto& range) {
         for (uint32_t side = range.begin(); side < range.end(); ++side) {
             measure_bundles(step, side);
-            for (const Transfer& transfer : step.transfers.group(side)) {
-                const Surface x(*scene_, {scene_->triangle_of_side(side), transfer.u, transfer.v}, scene_->is_back(side));
-                const Rgb64 light = to_double(transfer.flux * adjoint(x.shading, x.normal, transfer.wi));
-                if (transfer.inv_pdf > 0)
-                    tally_.add(side, step, light, double{transfer.inv_pdf} / double{kPi});
-                else
-                    tally_.add_plain(side, step, light);
-            }
+            measure_shot(step, side);
         }
     });
+}
+
+void IrradianceAreas::measure_shot(const Step& step, uint32_t side) {
+    const auto add = [&](Rgb light, float inv_pdf) {
+        if (inv_pdf > 0)
+            tally_.add(side, step, to_double(light), double{inv_pdf} / double{kPi});
+        else
+            tally_.add_plain(side, step, to_double(light));
+    };
+    for (const Carried& carried : plain_.of(side)) add(carried.flux, carried.inv_pdf);
+    for (const Transfer& transfer : step.transfers.placed(side)) {
+        const Surface x(*scene_, {scene_->triangle_of_side(side), transfer.u, transfer.v}, scene_->is_back(side));
+        add(transfer.flux * adjoint(x.shading, x.normal, transfer.wi), transfer.inv_pdf);
+    }
 }
 
 void IrradianceAreas::measure_bundles(const Step& step, uint32_t side) {

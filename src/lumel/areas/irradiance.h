@@ -51,11 +51,13 @@ public:
     SideField field(const Estimator& estimator) const;
 
 private:
+    void measure_shot(const Step& step, uint32_t side);
     void measure_bundles(const Step& step, uint32_t side);
     Samples around(uint32_t position) const;
 
     const Scene* scene_;
     Tally tally_;
+    BySide<Carried> plain_;  // of the last step
 };
 
 }  // namespace lumel

@@ -55,11 +55,13 @@ PatchAreas::PatchAreas(const Scene& scene, std::vector<Vec3> eyes, std::vector<u
 void PatchAreas::measure(const Step& step) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, size(), 64), [&](const auto& range) {
         BundleSamples samples(step.bundles);
+        LobeLooks looks(*scene_, step, tally_);
         for (uint32_t area = range.begin(); area < range.end(); ++area) {
             measure_shot(step, area);
             if (!step.bundles.empty()) measure_bundles(step, samples, area);
-            for (uint32_t eye = 0; eye < eyes(); ++eye) look(step, area, eye);
+            for (uint32_t eye = 0; eye < eyes(); ++eye) look(step, area, eye, looks);
         }
+        looks.see();
     });
 }
 
@@ -81,32 +83,25 @@ void PatchAreas::measure_shot(const Step& step, uint32_t area) {
         }
         arrivals.clear();
     };
-    for (const Transfer& transfer : step.transfers.group(side)) {
+    for (const Transfer& transfer : step.transfers.placed(side)) {
         arrivals.add(Surface(*scene_, {triangle, transfer.u, transfer.v}, back), transfer);
         if (arrivals.is_full()) measure();
     }
     measure();
 }
 
-void PatchAreas::look(const Step& step, uint32_t area, uint32_t eye) {
+void PatchAreas::look(const Step& step, uint32_t area, uint32_t eye, LobeLooks& looks) const {
     if (!(albedo_[at(eye, area)] > 0)) return;
-    const uint32_t side = sides_[area], patch = scene_->patch_of_side(side);
-    const uint64_t stream = key(step.stream, side, eye);
-    const double size = scene_->patch_area(patch);
-    const bool gathers = step.gather > 0;
-    const auto draw = [&](LobeLooks& looks, uint32_t i) {
-        const SurfacePoint p = scene_->point_on_patch(patch, square_to_triangle(sobol2d(i, key(stream, 1))));
-        const Surface x(*scene_, p, scene_->is_back(side));
-        looks.draw(*scene_, x, normalize(eyes_[eye] - x.x), 1, sobol2d(i, key(stream, 2)));
-    };
-    const auto use = [&](const LobeLooks& looks) {
-        if (gathers)
-            looks.samples(step.bundle_density_w() / size, step.gather / size,
-                          [&](Rgb64 f, double g) { tally_.add(at(eye, area), step, f, g); });
-        else
-            looks.count(tally_, at(eye, area), step);
-    };
-    look_around(gathers ? step.gather_count(stream) : step.look_count(tally_.size(), stream), step.sight, draw, use);
+    const uint32_t side = sides_[area], patch = scene_->patch_of_side(side), triangle = scene_->triangle_of_patch(patch);
+    const uint64_t stream = key(step.stream, side, eye), point_stream = key(stream, 1), lobe_stream = key(stream, 2);
+    const uint32_t count = looks.begin(at(eye, area), double{scene_->patch_area(patch)}, stream);
+    if (count == 0) return;
+    const PatchCorners corners = scene_->tessellation().corners(patch);
+    for (uint32_t i = 0; i < count; ++i) {
+        const Square p = within(corners, square_to_triangle(sobol2d(i, point_stream)));
+        const Surface x(*scene_, {triangle, p.u, p.v}, scene_->is_back(side));
+        looks.draw(x, normalize(eyes_[eye] - x.x), 1, sobol2d(i, lobe_stream));
+    }
 }
 
 Samples PatchAreas::samples(uint32_t eye, uint32_t area) const {

@@ -8,6 +8,7 @@
 namespace lumel {
 
 class BundleSamples;
+class LobeLooks;
 
 /// Measures the indirect specular radiance of chosen glossy sides towards many eyes.
 ///
@@ -47,7 +48,7 @@ private:
     void measure_shot(const Step& step, uint32_t area);
     void measure_bundles(const Step& step, BundleSamples& samples, uint32_t area);
     /// Gather, or with nothing to gather look now and then what the density covers.
-    void look(const Step& step, uint32_t area, uint32_t eye);
+    void look(const Step& step, uint32_t area, uint32_t eye, LobeLooks& looks) const;
 
     const Scene* scene_;
     std::vector<Vec3> eyes_;

@@ -14,6 +14,7 @@ namespace lumel {
 namespace {
 
 constexpr uint32_t kSides = 256;         // receivers of a work item
+constexpr uint32_t kPixels = 256;        // of a work item
 constexpr uint32_t kAlbedoSamples = 16;  // for a pixel, and this many times as many where it is not uniform
 constexpr uint32_t kLobeSamples = 8;     // for each of these
 
@@ -105,15 +106,18 @@ void PixelAreas::measure(const Step& step) {
         }
     if (!step.bundles.empty()) measure_bundles(step);
     for (uint32_t camera = 0; camera < cameras(); ++camera)
-        tbb::parallel_for(uint32_t{0}, cameras_[camera].width * cameras_[camera].height, [&](uint32_t pixel) {
-            const FlushDenormals flush;
-            look(step, camera, pixel);
-        });
+        tbb::parallel_for(tbb::blocked_range<uint32_t>(0, cameras_[camera].width * cameras_[camera].height, kPixels),
+                          [&](const auto& range) {
+                              const FlushDenormals flush;
+                              LobeLooks looks(*scene_, step, tally_);
+                              for (uint32_t pixel = range.begin(); pixel < range.end(); ++pixel) look(step, camera, pixel, looks);
+                              looks.see();
+                          });
 }
 
 void PixelAreas::shoot_side(const Step& step, uint32_t side, std::vector<Deposit>& deposits) const {
     const uint32_t triangle = scene_->triangle_of_side(side);
-    for (const Transfer& transfer : step.transfers.group(side)) {
+    for (const Transfer& transfer : step.transfers.placed(side)) {
         const Surface x(*scene_, {triangle, transfer.u, transfer.v}, scene_->is_back(side));
         const Frame frame(x.shading);
         const Vec3 wi = frame.to_local(transfer.wi);
@@ -137,26 +141,18 @@ void PixelAreas::shoot_side(const Step& step, uint32_t side, std::vector<Deposit
     }
 }
 
-void PixelAreas::look(const Step& step, uint32_t camera, uint32_t pixel) {
+void PixelAreas::look(const Step& step, uint32_t camera, uint32_t pixel, LobeLooks& looks) const {
     if (!(albedo(camera, pixel) > 0)) return;
-    const size_t area = at(camera, pixel);
     const uint64_t stream = key(step.stream, camera, pixel);
-    const bool gathers = step.gather > 0;
-    const auto draw = [&](LobeLooks& looks, uint32_t i) {
+    const uint32_t count = looks.begin(at(camera, pixel), 1, stream);
+    for (uint32_t i = 0; i < count; ++i) {
         const Ray ray{cameras_[camera].origin, cameras_[camera].direction(cameras_[camera].on_film(pixel, sobol2d(i, key(stream, 1))))};
         const Hit hit = accel_->intersect(ray);
-        if (hit.is_miss()) return;
+        if (hit.is_miss()) continue;
         const Surface x(*scene_, hit.point(), hit.back);
-        if (!x.scatters || !x.material->is_glossy()) return;
-        looks.draw(*scene_, x, -ray.direction, film_density(cameras_[camera], x), sobol2d(i, key(stream, 2)));
-    };
-    const auto use = [&](const LobeLooks& looks) {
-        if (gathers)
-            looks.samples(step.bundle_density_w(), step.gather, [&](Rgb64 f, double g) { tally_.add(area, step, f, g); });
-        else
-            looks.count(tally_, area, step);
-    };
-    look_around(gathers ? step.gather_count(stream) : step.look_count(tally_.size(), stream), step.sight, draw, use);
+        if (!x.scatters || !x.material->is_glossy()) continue;
+        looks.draw(x, -ray.direction, film_density(cameras_[camera], x), sobol2d(i, key(stream, 2)));
+    }
 }
 
 Samples PixelAreas::samples(uint32_t camera, uint32_t pixel) const {

@@ -11,6 +11,8 @@
 
 namespace lumel {
 
+class LobeLooks;
+
 /// Measures the indirect specular radiance of the pixels of many cameras at once.
 ///
 /// With s in the unit square of a pixel, |ds/dA| = cos(theta_eye) / (d^2 dw/ds), and for a transfer that lands on x in view,
@@ -51,7 +53,7 @@ private:
     void measure_bundles(const Step& step);
     void measure_bundles(const Step& step, uint32_t camera);
     /// Gather, or with nothing to gather look now and then what the density covers.
-    void look(const Step& step, uint32_t camera, uint32_t pixel);
+    void look(const Step& step, uint32_t camera, uint32_t pixel, LobeLooks& looks) const;
 
     const Accel* accel_;
     const Scene* scene_;

@@ -3,10 +3,16 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "lumel/math/vec.h"
 
 namespace lumel {
+
+/// Floats of one instruction. Loops over a few things go on to a multiple of it, so that none is left over for slow code.
+inline constexpr size_t kSideBySide = 8;
+constexpr uint32_t padded(uint32_t count) { return (count + 7u) & ~7u; }
+static_assert(padded(1) == kSideBySide);
 
 /// N vectors, each coordinate an array.
 template <size_t N>

@@ -24,9 +24,15 @@ public:
     double weight(uint32_t i) const { return upto(i) - before(i); }
     double probability(uint32_t i) const { return weight(i) / total(); }
 
-    /// The item that owns position `at` of [0, total()); total() must be positive.
-    uint32_t find(double at) const {
-        auto it = std::upper_bound(sums_.begin(), sums_.end(), at);
+    /// The item that owns position `at` of [0, total()); total() must be positive. It is found fast a few items after `from`.
+    uint32_t find(double at, uint32_t from = 0) const {
+        // Go forward by steps that double.
+        auto first = sums_.begin() + (at >= before(from) ? from : 0), last = first;
+        for (ptrdiff_t step = 1; last != sums_.end() && !(at < *last); step *= 2) {
+            first = last + 1;
+            last = sums_.end() - first > step ? first + step : sums_.end();
+        }
+        auto it = std::upper_bound(first, last, at);
         if (it == sums_.end()) it = std::lower_bound(sums_.begin(), sums_.end(), total());
         return static_cast<uint32_t>(it - sums_.begin());
     }

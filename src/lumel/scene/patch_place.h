@@ -13,6 +13,12 @@ namespace lumel {
 /// Barycentric corners (u, v) of one patch in its triangle, where x = (1-u-v) a + u b + v c.
 using PatchCorners = std::array<Square, 3>;
 
+/// The point of a patch with barycentrics `b` in it, in its triangle.
+constexpr Square within(const PatchCorners& c, Square b) {
+    const float w = 1 - b.u - b.v;
+    return {w * c[0].u + b.u * c[1].u + b.v * c[2].u, w * c[0].v + b.u * c[1].v + b.v * c[2].v};
+}
+
 /// Number of lattice points of a triangle with n divisions of each edge.
 constexpr uint32_t lattice_size(uint32_t n) { return (n + 1) * (n + 2) / 2; }
 
@@ -28,11 +34,13 @@ struct PatchPlace {
 
     /// The patch that owns the point (u, v).
     static PatchPlace of_point(uint32_t n, float u, float v) {
-        const float fn = static_cast<float>(n);
-        const uint32_t j = std::min(static_cast<uint32_t>(std::max(v, 0.0f) * fn), n - 1);
-        const uint32_t i = std::min(static_cast<uint32_t>(std::max(u, 0.0f) * fn), n - 1 - j);
+        const auto m = static_cast<int32_t>(n);  // which vectors convert from and to floats
+        const auto fn = static_cast<float>(m);
+        const int32_t j = std::min(static_cast<int32_t>(std::max(v, 0.0f) * fn), m - 1);
+        const int32_t i = std::min(static_cast<int32_t>(std::max(u, 0.0f) * fn), m - 1 - j);
         const float rest = u * fn - static_cast<float>(i) + v * fn - static_cast<float>(j);
-        return {i, j, rest > 1.0f && i + j + 1 < n};
+        const bool inverted = (rest > 1.0f) & (i + j + 1 < m);
+        return {static_cast<uint32_t>(i), static_cast<uint32_t>(j), inverted};
     }
     static PatchPlace of_index(uint32_t n, uint32_t index) {
         // Rows from j on hold (n-j)^2 patches together.

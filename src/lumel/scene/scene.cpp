@@ -142,6 +142,8 @@ void Scene::order_along_curve() {
     permute(normal_);
     permute(area_);
     permute(smooth_);
+    plain_.resize(triangles());
+    for (uint32_t t = 0; t < triangles(); ++t) plain_[t] = !smooth_[t] && !material(t).is_glossy();
 }
 
 void Scene::divide(Tessellation tessellation) {
@@ -189,10 +191,8 @@ void Scene::find_lamps() {
 }
 
 SurfacePoint Scene::point_on_patch(uint32_t patch, Square b) const {
-    const uint32_t triangle = triangle_of_patch(patch);
-    const PatchCorners c = tessellation_.corners(patch);
-    const float w = 1 - b.u - b.v;
-    return {triangle, w * c[0].u + b.u * c[1].u + b.v * c[2].u, w * c[0].v + b.u * c[1].v + b.v * c[2].v};
+    const Square at = within(tessellation_.corners(patch), b);
+    return {triangle_of_patch(patch), at.u, at.v};
 }
 
 }  // namespace lumel

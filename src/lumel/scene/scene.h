@@ -86,6 +86,8 @@ public:
     /// Divisions of the edges of a triangle, in a uniform tessellation.
     uint32_t divisions(uint32_t triangle) const { return tessellation_.divisions(triangle); }
     bool is_smooth(uint32_t triangle) const { return smooth_[triangle]; }
+    /// Whether light on it counts the same wherever it comes from and arrives: there is no gloss, and no shading normal apart.
+    bool is_plain(uint32_t triangle) const { return plain_[triangle]; }
 
     Vec3 position(SurfacePoint p) const {
         const Indices& i = indices_[p.triangle];
@@ -169,7 +171,7 @@ private:
     std::vector<Material> materials_;
     std::vector<Vec3> normal_;
     std::vector<float> area_;
-    std::vector<uint8_t> smooth_;
+    std::vector<uint8_t> smooth_, plain_;
     Tessellation tessellation_;
     std::vector<uint32_t> first_glossy_;  // per triangle
     uint32_t glossy_patches_ = 0;

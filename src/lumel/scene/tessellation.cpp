@@ -44,6 +44,11 @@ void Tessellation::number_patches() {
     for (uint32_t c = 0; c < cells(); ++c) patch_cell_.insert(patch_cell_.end(), size_t{cells_[c].divisions} * cells_[c].divisions, c);
 }
 
+void Tessellation::patches_of(const uint32_t* __restrict triangle, const float* __restrict u, const float* __restrict v, uint32_t count,
+                              uint32_t* __restrict patch) const {
+    for (uint32_t i = 0; i < count; ++i) patch[i] = patch_of(triangle[i], u[i], v[i]);
+}
+
 Square Tessellation::lattice_point(uint32_t cell, uint32_t i, uint32_t j) const {
     const uint32_t n = cells_[cell].divisions;
     const Grid& grid = grids_[cells_[cell].triangle];

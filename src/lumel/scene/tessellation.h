@@ -38,18 +38,21 @@ public:
     }
     InCell locate(uint32_t triangle, float u, float v) const {
         const Grid& grid = grids_[triangle];
-        if (grid.cells == 1) return {grid.first_cell, {u, v}};
         const PatchPlace place = PatchPlace::of_point(grid.cells, u, v);
-        const float fu = u * static_cast<float>(grid.cells) - static_cast<float>(place.i),
-                    fv = v * static_cast<float>(grid.cells) - static_cast<float>(place.j);
-        return {grid.first_cell + place.index(grid.cells), place.inverted ? Square{1 - fu, 1 - fv} : Square{fu, fv}};
+        const float fu = u * static_cast<float>(static_cast<int32_t>(grid.cells)) - static_cast<float>(static_cast<int32_t>(place.i)),
+                    fv = v * static_cast<float>(static_cast<int32_t>(grid.cells)) - static_cast<float>(static_cast<int32_t>(place.j));
+        return {grid.first_cell + place.index(grid.cells), {place.inverted ? 1 - fu : fu, place.inverted ? 1 - fv : fv}};
     }
     /// The patch that owns the point (u, v).
     uint32_t patch_of(uint32_t triangle, float u, float v) const {
         const InCell p = locate(triangle, u, v);
         const Cell& cell = cells_[p.cell];
-        return cell.first_patch + (cell.divisions == 1 ? 0 : PatchPlace::of_point(cell.divisions, p.at.u, p.at.v).index(cell.divisions));
+        return cell.first_patch + PatchPlace::of_point(cell.divisions, p.at.u, p.at.v).index(cell.divisions);
     }
+
+    /// The same for `count` points, side by side.
+    void patches_of(const uint32_t* __restrict triangle, const float* __restrict u, const float* __restrict v, uint32_t count,
+                    uint32_t* __restrict patch) const;
 
     // Cells
     uint32_t triangle_of_cell(uint32_t cell) const { return cells_[cell].triangle; }

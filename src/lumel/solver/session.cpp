@@ -30,7 +30,7 @@ const Scene& refined(Scene& scene, const Accel& accel, std::span<const Camera> c
 
 Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& config)
     : scene_(std::move(scene)),
-      accel_(scene_),
+      accel_(scene_, config.isa),
       lattice_(refined(scene_, accel_, cameras, config)),
       defensive_(survey(accel_, key(config.solver.seed, kSurvey))),
       cameras_(std::move(cameras)),

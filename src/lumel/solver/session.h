@@ -20,6 +20,7 @@ struct SessionConfig {
     AreaKind areas = AreaKind::kPatches;
     const Estimator* estimator = find_estimator("weighted");
     uint64_t adaptive_patches = 0;  ///< divide into about so many patches where the light varies; 0: leave the scene as it is
+    Isa isa = best_isa();           ///< that rays are traced with
     std::optional<bool> weight_diffuse;  ///< weigh irradiance too; by default where the estimator is `auto` and the density covers it
 };
 
@@ -50,6 +51,7 @@ public:
         config_.solver.transport = transport;
         solver_->change_transport(transport);
     }
+    Isa isa() const { return config_.isa; }
     bool is_plain() const { return transport() == Transport::kBundles && config_.solver.iteration == Iteration::kPlain; }
 
     /// Irradiance that was shot, W/m2, weighed if it was asked for.

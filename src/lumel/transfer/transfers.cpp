@@ -1,39 +1,54 @@
 #include "lumel/transfer/transfers.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
+#include <tbb/parallel_invoke.h>
+
+#include <bit>
 
 namespace lumel {
 
+namespace {
+
+constexpr size_t kMostParts = 32, kRaysPerSum = 2;  // of the sums of plain sides
+
+}  // namespace
+
+void Transfers::open(size_t blocks) {
+    size_ = blocks;
+    blocks_.reserve(blocks);
+}
+
 void Transfers::group_by_side(uint32_t sides) {
-    const size_t n = all.size();
-    const size_t chunks = std::max<size_t>(1, static_cast<size_t>(tbb::this_task_arena::max_concurrency()));
-    const auto begin = [&](size_t chunk) { return n * chunk / chunks; };
+    tbb::parallel_invoke([&] { placed_.sort(sides, size_, [&](size_t b) { return blocks_[b].placed_list(); }); },
+                         [&] { sum_plain(sides); });
+}
 
-    // Count the all of every side, chunk by chunk.
-    std::vector<std::vector<uint32_t>> counts(chunks);
-    tbb::parallel_for(size_t{0}, chunks, [&](size_t chunk) {
-        counts[chunk].assign(sides, 0);
-        for (size_t i = begin(chunk); i < begin(chunk + 1); ++i)
-            if (side_[i] != Transfer::kLost) ++counts[chunk][side_[i]];
-    });
+void Transfers::group_plain(BySide<Carried>& sorted) const {
+    sorted.sort(static_cast<uint32_t>(plain_.size()), size_, [&](size_t b) { return blocks_[b].plain_list(); });
+}
 
-    // Give every chunk its place in every group: any number of chunks leads to the one stable order.
-    first_.resize(size_t{sides} + 1);
-    uint32_t at = 0;
-    for (uint32_t s = 0; s < sides; ++s) {
-        first_[s] = at;
-        for (auto& count : counts) {
-            const uint32_t here = count[s];
-            count[s] = at;
-            at += here;
+void Transfers::sum_plain(uint32_t sides) {
+    // Sum parts of the blocks, as many as cost little beside the rays; how many does not depend on the threads.
+    const size_t parts = std::clamp(std::bit_floor(size_ * TransferBlock::kMost / (kRaysPerSum * sides)), size_t{1}, kMostParts);
+    parts_.reserve(parts * sides);
+    tbb::parallel_for(size_t{0}, parts, [&](size_t part) {
+        Sum* sums = parts_.data() + part * sides;
+        std::fill_n(sums, sides, Sum{});
+        for (size_t b = size_ * part / parts; b < size_ * (part + 1) / parts; ++b) {
+            const auto [of, carried] = blocks_[b].plain_list();
+            for (size_t i = 0; i < of.size(); ++i) sums[of[i]].flux += carried[i].flux, ++sums[of[i]].arrivals;
         }
-    }
-    first_[sides] = at;
-    order_.resize(at + kAhead);
-    tbb::parallel_for(size_t{0}, chunks, [&](size_t chunk) {
-        for (size_t i = begin(chunk); i < begin(chunk + 1); ++i)
-            if (side_[i] != Transfer::kLost) order_[counts[chunk][side_[i]]++] = static_cast<uint32_t>(i);
+    });
+    plain_.resize(sides);
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, sides, 4096), [&](const auto& range) {
+        for (uint32_t side = range.begin(); side < range.end(); ++side) {
+            plain_[side] = parts_[side];
+            for (size_t part = 1; part < parts; ++part) {
+                const Sum& sum = parts_[part * sides + side];
+                plain_[side].flux += sum.flux, plain_[side].arrivals += sum.arrivals;
+            }
+        }
     });
 }
 

@@ -106,7 +106,7 @@ void BundleLight::shoot_beside(const Emitters& emitters, uint64_t stream, Emitte
     if (!needs_rays_ && !emitters.point_lamps) return;
     shoot(Shot(*accel_, emitters, *defensive_, {rays_beside(), 0, key(stream, kBeside), true}), transfers_);
     scatter(*scene_, transfers_, key(stream, kScatter), received_, next);
-    rays_ += transfers_.all.size();
+    rays_ += transfers_.shot;
 }
 
 }  // namespace lumel

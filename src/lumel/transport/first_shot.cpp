@@ -3,6 +3,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <array>
+
 #include "lumel/sampling/hash.h"
 #include "lumel/scene/lamp_sampler.h"
 
@@ -10,51 +12,87 @@ namespace lumel {
 
 namespace {
 
+constexpr uint32_t kSides = 512;  // of a work item
+
 /// Light from one sampled point of a lamp to one sampled point of a side.
 struct DirectSample {
+    uint32_t side, index;  ///< the sample is the `index`-th of its side
     Vec3 wi;
-    Rgb irradiance;   ///< W/m2, with the shading normal's cosine
-    float cos = 0;    ///< of wi to the shading normal
+    Rgb irradiance;        ///< W/m2, with the shading normal's cosine
+    float cos = 0;         ///< of wi to the shading normal
 };
 
-DirectSample sample_direct(const Accel& accel, uint32_t side, uint32_t index, uint64_t stream) {
-    const Scene& scene = accel.scene();
-    const uint64_t here = key(stream, side);
-    const SurfacePoint p = scene.point_on_patch(scene.patch_of_side(side), square_to_triangle(sobol2d(index, key(here, 1))));
-    const Surface x(scene, p, scene.is_back(side));
-    const LampSample lamp = LampView(scene, x).sample(sobol2d(index, key(here, 2)).u, sobol2d(index, key(here, 3)));
-    const float cos = dot(x.shading, lamp.wi);
-    if (!(lamp.pdf_w > 0) || !(cos > 0) || !(dot(x.normal, lamp.wi) > 0)) return {};
-    if (!accel.visible(x.off(scene.epsilon()), lamp.target)) return {};
-    return {lamp.wi, lamp.radiance * (cos / lamp.pdf_w), cos};
-}
-
-/// Writes `count` samples of the light of lamps to the records of a side, if it is glossy.
-class LampRecorder {
+/// Samples of the light of lamps on many sides. Their shadow rays wait until there is a block of them.
+template <class Use>
+class DirectSamples {
 public:
-    LampRecorder(const Scene& scene, uint32_t side, uint32_t count, Emitters& emitters)
-        : material_(scene.material(scene.triangle_of_side(side))),
-          area_(scene.patch_area(scene.patch_of_side(side)) / static_cast<float>(count)),
-          records_(emitters.open_records(scene, side)) {}
+    /// `use` is called with every sample that is lit, in the order in which they are drawn.
+    DirectSamples(const Accel& accel, uint64_t stream, Use use) : accel_(accel), scene_(accel.scene()), stream_(stream), use_(use) {}
 
-    void operator()(uint32_t i, const DirectSample& direct) const {
-        if (records_.empty()) return;
-        const Rgb flux = direct.irradiance * area_;
-        records_[i] = {direct.wi, flux, lum(flux * material_.albedo_s(direct.cos))};
+    /// Draw samples 0 to `count` of a side.
+    void draw(uint32_t side, uint32_t count) {
+        const uint64_t here = key(stream_, side);
+        const std::array<uint64_t, 3> streams{key(here, 1), key(here, 2), key(here, 3)};
+        const uint32_t patch = scene_.patch_of_side(side), triangle = scene_.triangle_of_patch(patch);
+        const PatchCorners corners = scene_.tessellation().corners(patch);
+        for (uint32_t i = 0; i < count; ++i) {
+            const Square at = within(corners, square_to_triangle(sobol2d(i, streams[0])));
+            const Surface x(scene_, {triangle, at.u, at.v}, scene_.is_back(side));
+            const LampSample lamp = LampView(scene_, x).sample(sobol2d(i, streams[1]).u, sobol2d(i, streams[2]));
+            const float cos = dot(x.shading, lamp.wi);
+            if (!(lamp.pdf_w > 0) || !(cos > 0) || !(dot(x.normal, lamp.wi) > 0)) continue;
+            add({side, i, lamp.wi, lamp.radiance * (cos / lamp.pdf_w), cos}, x.off(scene_.epsilon()), lamp.target);
+        }
+    }
+    /// Cast the shadow rays that wait.
+    void cast() {
+        std::array<bool, RayBlock::kMost> blocked;
+        accel_.occluded(shadows_, blocked);
+        for (uint32_t k = 0; k < shadows_.size; ++k)
+            if (!blocked[k]) use_(samples_[k]);
+        shadows_.size = 0;
     }
 
 private:
-    const Material& material_;
-    float area_;  // for each of the samples, m2
-    std::span<Record> records_;
+    void add(const DirectSample& sample, Vec3 from, Vec3 to) {
+        const uint32_t k = shadows_.size++;
+        shadows_.origin.set(k, from), shadows_.direction.set(k, to - from), shadows_.traced[k] = -1;
+        samples_[k] = sample;
+        if (shadows_.size == RayBlock::kMost) cast();
+    }
+
+    const Accel& accel_;
+    const Scene& scene_;
+    uint64_t stream_;
+    Use use_;
+    RayBlock shadows_;
+    std::array<DirectSample, RayBlock::kMost> samples_;
 };
 
-template <class Body>
-void for_each_reachable_side(const Scene& scene, const DefensiveStarts& reachable, const Body& body) {
-    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 512), [&](const auto& range) {
+/// Write `sample`, one of `count`, to the records of its side, if that is glossy.
+void record(const Scene& scene, const DirectSample& sample, uint32_t count, Emitters& emitters) {
+    const auto records = emitters.open_records(scene, sample.side);
+    if (records.empty()) return;
+    const Rgb flux = sample.irradiance * (scene.patch_area(scene.patch_of_side(sample.side)) / static_cast<float>(count));
+    records[sample.index] = {sample.wi, flux, lum(flux * scene.material(scene.triangle_of_side(sample.side)).albedo_s(sample.cos))};
+}
+
+/// Draw `count` samples on all sides that light can reach and that `wants` wants, their lamp records emptied, and hand them to `use`.
+template <class Wants, class Use>
+void sample_lamps(const Accel& accel, const DefensiveStarts& reachable, uint32_t count, uint64_t stream, Emitters& emitters,
+                  const Wants& wants, const Use& use) {
+    const Scene& scene = accel.scene();
+    if (reachable.by_area.size() == 0) return;
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), kSides), [&](const auto& range) {
         const FlushDenormals flush;
-        for (uint32_t side = range.begin(); side < range.end(); ++side)
-            if (reachable.by_area.size() > 0 && reachable.by_area.weight(side) > 0 && scene.scatters(side)) body(side);
+        DirectSamples samples(accel, stream, use);
+        for (uint32_t side = range.begin(); side < range.end(); ++side) {
+            if (!(reachable.by_area.weight(side) > 0) || !scene.scatters(side) || !wants(side)) continue;
+            if (const auto records = emitters.open_records(scene, side); !records.empty())
+                std::fill_n(records.begin(), std::min<uint32_t>(count, kLampRecords), Record{});
+            samples.draw(side, count);
+        }
+        samples.cast();
     });
 }
 
@@ -63,28 +101,24 @@ void for_each_reachable_side(const Scene& scene, const DefensiveStarts& reachabl
 std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& reachable, uint32_t samples, uint64_t stream,
                                    Emitters& emitters) {
     const Scene& scene = accel.scene();
-    std::vector<Rgb> irradiance(scene.sides());
-    for_each_reachable_side(scene, reachable, [&](uint32_t side) {
-        const LampRecorder record(scene, side, std::min<uint32_t>(samples, kLampRecords), emitters);
-        Rgb64 sum;
-        for (uint32_t i = 0; i < samples; ++i) {
-            const DirectSample direct = sample_direct(accel, side, i, stream);
-            sum += direct.irradiance;
-            if (i < kLampRecords) record(i, direct);
-        }
-        irradiance[side] = (sum * (1.0 / (samples * double{scene.open_share(side)}))).to_float();
+    std::vector<Rgb64> sums(scene.sides());
+    const auto every = [](uint32_t) { return true; };
+    sample_lamps(accel, reachable, samples, stream, emitters, every, [&](const DirectSample& sample) {
+        sums[sample.side] += sample.irradiance;
+        if (sample.index < kLampRecords) record(scene, sample, std::min<uint32_t>(samples, kLampRecords), emitters);
     });
+    std::vector<Rgb> irradiance(scene.sides());
+    for (uint32_t side = 0; side < scene.sides(); ++side)
+        if (const double open = scene.open_share(side); open > 0) irradiance[side] = (sums[side] * (1.0 / (samples * open))).to_float();
     return irradiance;
 }
 
 void record_lamps(const Accel& accel, const DefensiveStarts& reachable, uint64_t stream, Emitters& emitters, uint32_t part,
                   uint32_t parts) {
     const Scene& scene = accel.scene();
-    for_each_reachable_side(scene, reachable, [&](uint32_t side) {
-        if (side % parts != part || scene.glossy_index(side) == Scene::kNone) return;
-        const LampRecorder record(scene, side, kLampRecords, emitters);
-        for (uint32_t i = 0; i < kLampRecords; ++i) record(i, sample_direct(accel, side, i, stream));
-    });
+    const auto its_turn = [&](uint32_t side) { return side % parts == part && scene.glossy_index(side) != Scene::kNone; };
+    sample_lamps(accel, reachable, kLampRecords, stream, emitters, its_turn,
+                 [&](const DirectSample& sample) { record(scene, sample, kLampRecords, emitters); });
 }
 
 std::vector<Rgb> emitted_flux(const Scene& scene) {

@@ -10,13 +10,32 @@ enum Stream : uint64_t { kPoint = 1, kDirection, kOffset = 4 };
 
 constexpr float kMostInvPdf = 1e30f;  // m2 sr; what is drawn less often than that carries no sample
 
+/// Launch rays that leave one side as flights from `i` on. `defensive`: n p_y / cos(theta_y) of the defensive rays.
+void launch(const Leaving& __restrict rays, Vec3 normal, Vec3 offset, float defensive, Rgb behind_mirror, Flights& __restrict flights,
+            size_t i) {
+    const size_t count = padded(rays.size);
+    for (size_t k = 0; k < count; ++k) {
+        const Vec3 w = rays.w[k];
+        const float cos = dot(normal, w), density = rays.pdf_aw[k] + defensive * cos;
+        // cos(theta_y) / (n p_y): étendue keeps it to where the ray ends ([WIS] 3.1, with its cosine).
+        const float quotient = cos / density, inv_pdf = (cos > 1e-6f && quotient < kMostInvPdf) ? quotient : 0.0f;
+        flights.rays.origin.set(i + k, rays.y[k] + offset), flights.rays.direction.set(i + k, w);
+        flights.flux.set(i + k, rays.radiance[k] * inv_pdf), flights.behind_mirror.set(i + k, behind_mirror * inv_pdf);
+        flights.inv_pdf[i + k] = inv_pdf;
+        flights.rays.traced[i + k] = -static_cast<int32_t>(inv_pdf > 0);
+    }
+}
+
 }  // namespace
 
 /// The rays that are launched together, and a random point and direction for each.
 struct Launcher::Block {
+    static constexpr uint32_t kRoom = Flights::kRoom;
+
     uint32_t first, count;
     Flights& flights;
-    std::array<float, Flights::kMost> point_u, point_v, direction_u, direction_v;
+    std::array<float, kRoom> point_u, point_v, direction_u, direction_v;
+    std::array<double, kRoom> position;  // in the running sum by which the side is chosen
 
     Square point(uint32_t i) const { return {point_u[i], point_v[i]}; }
     Square direction(uint32_t i) const { return {direction_u[i], direction_v[i]}; }
@@ -37,27 +56,29 @@ Launcher::Launcher(const Shot& shot)
 void Launcher::operator()(uint32_t first, uint32_t count, Flights& flights) {
     Block block{.first = first, .count = count, .flights = flights};
     flights.rays.size = count;
-    for (uint32_t i = 0; i < count; ++i) {
+    const size_t room = padded(count) + kSideBySide;
+    for (size_t k = 0; k < room; ++k) {
+        const auto i = static_cast<uint32_t>(k);
         const Square point = sobol2d(first + i, point_stream_), direction = sobol2d(first + i, direction_stream_);
         block.point_u[i] = point.u, block.point_v[i] = point.v;
         block.direction_u[i] = direction.u, block.direction_v[i] = direction.v;
     }
     // The kinds of rays follow each other; each call launches all that leave one place.
-    for (uint32_t i = 0; i < count;) {
-        const uint32_t index = first + i;
-        if (index < shot_.from_power)
-            i += by_power(block, i);
-        else if (index < shot_.from_power + shot_.from_defensive)
-            i += by_area(block, i);
-        else
-            i += from_point_lamp(block, i);
-    }
+    const auto end_of = [&](uint32_t rays) { return rays > first ? std::min(rays - first, count) : 0; };
+    const uint32_t power = end_of(shot_.from_power), area = end_of(shot_.from_power + shot_.from_defensive);
+    const auto index = [&](uint32_t i) { return static_cast<double>(static_cast<int32_t>(first + i)); };
+    for (uint32_t i = 0; i < power; ++i) block.position[i] = (index(i) + offset_) / shot_.rays_per_watt;
+    const double area_per_ray = shot_.defensive.area() / shot_.from_defensive;
+    for (uint32_t i = power; i < area; ++i) block.position[i] = (index(i) - shot_.from_power + offset_) * area_per_ray;
+    uint32_t i = 0;
+    while (i < power) i += by_power(block, i, power);
+    while (i < area) i += by_area(block, i, area);
+    while (i < count) i += from_point_lamp(block, i);
 }
 
 /// Systematic choice: rays take even steps through the running sum of power, and so visit the sides in order.
-uint32_t Launcher::by_power(Block& block, uint32_t i) {
-    const uint32_t end = std::min(block.count, shot_.from_power - block.first);
-    choose_side(shot_.by_power, block, i, end, [&](uint32_t k) { return (block.first + k + offset_) / shot_.rays_per_watt; });
+uint32_t Launcher::by_power(Block& block, uint32_t i, uint32_t end) {
+    choose_side(shot_.by_power, block, i, end);
     source_->draw_points(leaving_);
     source_->draw_directions(leaving_);
     leave(block, i);
@@ -65,11 +86,9 @@ uint32_t Launcher::by_power(Block& block, uint32_t i) {
 }
 
 /// The same through the running sum of area, with cosine-weighted directions.
-uint32_t Launcher::by_area(Block& block, uint32_t i) {
-    const double per_ray = shot_.defensive.area() / shot_.from_defensive;
-    const auto position = [&](uint32_t k) { return (block.first + k - shot_.from_power + offset_) * per_ray; };
-    if (position(i) >= shot_.defensive.by_area.total()) return from_sky(block, i);
-    choose_side(shot_.defensive.by_area, block, i, std::min(block.count, shot_.from_power + shot_.from_defensive - block.first), position);
+uint32_t Launcher::by_area(Block& block, uint32_t i, uint32_t end) {
+    if (block.position[i] >= shot_.defensive.by_area.total()) return from_sky(block, i);
+    choose_side(shot_.defensive.by_area, block, i, end);
     source_->draw_points(leaving_);
     source_->draw_cosine(leaving_);
     leave(block, i);
@@ -77,50 +96,43 @@ uint32_t Launcher::by_area(Block& block, uint32_t i) {
 }
 
 /// Go to the side that owns the position of ray `i`, and let those of the rays up to `end` leave it that it owns as well.
-template <class Position>
-void Launcher::choose_side(const Distribution& shares, const Block& block, uint32_t i, uint32_t end, const Position& position) {
-    const double first = position(i);
-    uint32_t side = source_ ? source_->side() : 0;
-    if (!source_ || !(first >= shares.before(side) && first < shares.upto(side))) {
-        side = shares.find(first);
-        source_.emplace(shot_.scene, shot_.emitters, side, shot_.rays_per_watt);
-    }
+void Launcher::choose_side(const Distribution& shares, const Block& block, uint32_t i, uint32_t end) {
+    const double* position = &block.position[i];
+    const uint32_t side = shares.find(position[0], source_ ? source_->side() : 0);
+    if (!source_ || side != source_->side()) source_.emplace(shot_.scene, shot_.emitters, side, shot_.rays_per_watt);
     const double before = shares.before(side), upto = shares.upto(side);
-    uint32_t n = 0;
-    do {
-        leaving_.at[n] = position(i + n) - before;
-        leaving_.point_u[n] = block.point_u[i + n], leaving_.point_v[n] = block.point_v[i + n];
-        leaving_.direction_u[n] = block.direction_u[i + n], leaving_.direction_v[n] = block.direction_v[i + n];
-        ++n;
-    } while (n < Leaving::kMost && i + n < end && position(i + n) < upto);
+    const uint32_t most = std::min(Leaving::kMost, end - i);
+    uint32_t n = 1;
+    while (n < most && position[n] < upto) ++n;
     leaving_.size = n;
+    const size_t count = padded(n), from = i;
+    for (size_t k = 0; k < count; ++k) {
+        leaving_.at[k] = position[k] - before;
+        leaving_.point_u[k] = block.point_u[from + k], leaving_.point_v[k] = block.point_v[from + k];
+        leaving_.direction_u[k] = block.direction_u[from + k], leaving_.direction_v[k] = block.direction_v[from + k];
+    }
 }
 
 /// Evaluate what leaves the side: radiance over the density of all ways to shoot that very ray, the defensive one included.
 void Launcher::leave(Block& block, uint32_t i) {
-    Leaving& rays = leaving_;
-    source_->evaluate(rays);
-    const Vec3 normal = source_->normal(), offset = normal * shot_.scene.epsilon();
-    const float defensive = shot_.defensive_density(source_->side());
-    const Rgb behind_mirror = source_->behind_mirror();
-    // A perfect mirror that shines: what it reflects has the density of these directions, so its own light stays outside the ratios.
+    source_->evaluate(leaving_);
     const uint32_t side = source_->side();
-    const bool shining_mirror = shot_.scene.scatters(side) && shot_.scene.material(shot_.scene.triangle_of_side(side)).is_perfect_mirror();
-    const bool has_density = !shot_.beside_bundles && !shining_mirror;
     Flights& flights = block.flights;
-    const uint32_t count = rays.size;
-    for (uint32_t k = 0; k < count; ++k) {
-        const Vec3 w = rays.w[k];
-        const float cos = dot(normal, w), density = rays.pdf_aw[k] + defensive * cos;
-        // cos(theta_y) / (n p_y): étendue keeps it to where the ray ends ([WIS] 3.1, with its cosine).
-        const float quotient = cos / density, inv_pdf = cos > 1e-6f && quotient < kMostInvPdf ? quotient : 0.0f;
-        flights.rays.origin.set(i + k, rays.y[k] + offset), flights.rays.direction.set(i + k, w);
-        // Bundles carry what goes straight from side to side, but for sharp lobes.
-        const Rgb radiance = rays.radiance[k], direct = shot_.beside_bundles ? source_->sharp(radiance) : radiance;
-        flights.flux.set(i + k, direct * inv_pdf), flights.behind_mirror.set(i + k, (radiance - direct + behind_mirror) * inv_pdf);
-        flights.inv_pdf[i + k] = has_density ? inv_pdf : 0;
-        flights.rays.traced[i + k] = inv_pdf > 0 ? -1 : 0;
-    }
+    const Vec3 normal = source_->normal();
+    launch(leaving_, normal, normal * shot_.scene.epsilon(), shot_.defensive_density(side), source_->behind_mirror(), flights, i);
+
+    // Bundles carry what goes straight from side to side, but for sharp lobes.
+    if (shot_.beside_bundles)
+        for (uint32_t k = 0; k < leaving_.size; ++k) {
+            const Rgb radiance = leaving_.radiance[k], direct = source_->sharp(radiance);
+            const float inv_pdf = flights.inv_pdf[i + k];
+            flights.flux.set(i + k, direct * inv_pdf);
+            flights.behind_mirror.set(i + k, (radiance - direct + source_->behind_mirror()) * inv_pdf);
+        }
+    // A perfect mirror that shines: what it reflects has the density of these directions, so its own light stays outside the ratios.
+    const bool shining_mirror = shot_.scene.has_mirrors() && shot_.scene.scatters(side) &&
+                                shot_.scene.material(shot_.scene.triangle_of_side(side)).is_perfect_mirror();
+    if (shot_.beside_bundles || shining_mirror) std::fill_n(&flights.inv_pdf[i], leaving_.size, 0.0f);
 }
 
 /// A defensive ray from the sphere around an open scene; it carries no light.

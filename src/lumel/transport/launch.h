@@ -10,12 +10,12 @@ namespace lumel {
 
 /// Rays under way with what they carry. One that carries nothing is not traced.
 struct Flights {
-    static constexpr uint32_t kMost = RayBlock::kMost;
+    static constexpr uint32_t kMost = RayBlock::kMost, kRoom = RayBlock::kRoom;
 
     RayBlock rays;
-    Vec3Array<kMost> flux;                         ///< W
-    Vec3Array<kMost> behind_mirror;                ///< W that counts once a mirror has been passed
-    alignas(32) std::array<float, kMost> inv_pdf;  ///< cos(theta) / (n p), m2 sr; 0 for light that has no density
+    Vec3Array<kRoom> flux;                         ///< W
+    Vec3Array<kRoom> behind_mirror;                ///< W that counts once a mirror has been passed
+    alignas(32) std::array<float, kRoom> inv_pdf;  ///< cos(theta) / (n p), m2 sr; 0 for light that has no density
 };
 
 /// Launches the rays of a shot. What a ray does depends on its index alone.
@@ -28,19 +28,18 @@ public:
 
 private:
     struct Block;
-    uint32_t by_power(Block& block, uint32_t i);
-    uint32_t by_area(Block& block, uint32_t i);
+    uint32_t by_power(Block& block, uint32_t i, uint32_t end);
+    uint32_t by_area(Block& block, uint32_t i, uint32_t end);
     uint32_t from_sky(Block& block, uint32_t i) const;
     uint32_t from_point_lamp(Block& block, uint32_t i) const;
-    template <class Position>
-    void choose_side(const Distribution& shares, const Block& block, uint32_t i, uint32_t end, const Position& position);
+    void choose_side(const Distribution& shares, const Block& block, uint32_t i, uint32_t end);
     void leave(Block& block, uint32_t i);
 
     const Shot& shot_;
     uint64_t point_stream_, direction_stream_;
     double offset_;  // of all systematic choices, in rays
     std::optional<SideSource> source_;
-    Leaving leaving_;
+    Leaving leaving_{};
 };
 
 }  // namespace lumel

@@ -41,7 +41,7 @@ uint64_t FrozenLight::step(const Accel& accel, const DefensiveStarts& defensive,
         else
             std::copy(received.begin() + kLampRecords, received.end(), records.begin());
     }
-    return transfers_.all.size();
+    return transfers_.shot;
 }
 
 }  // namespace lumel

@@ -28,8 +28,6 @@ public:
           glossy_(scene.glossy_index(side) != Scene::kNone),
           smooth_(scene.is_smooth(triangle_)) {}
 
-    /// Whether all light counts as it arrives: there is no gloss, and no shading normal apart.
-    bool is_plain() const { return !glossy_ && !smooth_; }
     Incident receive(const Transfer& transfer) const {
         const Vec3 shading = smooth_ ? scene_->shading_normal({triangle_, transfer.u, transfer.v}) * sign_ : normal_;
         const Rgb flux = smooth_ ? transfer.flux * adjoint(shading, normal_, transfer.wi) : transfer.flux;
@@ -59,7 +57,7 @@ std::vector<Group> group_by_hits(const Scene& scene, const Transfers& transfers)
     std::vector<Group> groups;
     size_t hits = 0;
     for (uint32_t i = 0; i < order.size(); ++i) {
-        const size_t here = transfers.group(order.side(i)).size();
+        const size_t here = transfers.arrivals(order.side(i));
         const bool joins = !groups.empty() && !order.starts_run(i) && hits < kEnoughHits && here < kEnoughHits &&
                            i - groups.back().first < kMostSides;
         if (!joins) groups.push_back({i, i}), hits = 0;
@@ -98,17 +96,15 @@ void scatter_group(const Scene& scene, const Transfers& transfers, std::span<con
     const auto is_small = [&](uint32_t side) {
         return sides.size() > 1 && scene.open_share(side) > 0 && double{scene.patch_area(scene.patch_of_side(side))} < small_area;
     };
-    const auto takes_part = [&](uint32_t side) { return scene.scatters(side) && (is_small(side) || !transfers.group(side).empty()); };
+    const auto takes_part = [&](uint32_t side) { return scene.scatters(side) && (is_small(side) || transfers.arrivals(side) > 0); };
     double area = 0, area_of_small = 0;
     Rgb64 light_of_small;
     lights.clear();
     for (uint32_t side : sides) {
-        const Receiver receiver(scene, side);
-        Rgb64 sum;
-        if (receiver.is_plain()) {
-            for (const Transfer& transfer : transfers.group(side)) sum += transfer.flux;
-        } else {
-            for (const Transfer& transfer : transfers.group(side)) {
+        Rgb64 sum = transfers.plain_flux(side);
+        if (!transfers.placed(side).empty()) {
+            const Receiver receiver(scene, side);
+            for (const Transfer& transfer : transfers.placed(side)) {
                 const Incident light = receiver.receive(transfer);
                 sum += light.flux;
                 if (light.power > 0)

@@ -12,6 +12,7 @@ namespace lumel {
 namespace {
 
 constexpr uint32_t kBlock = Flights::kMost;  // rays a work item
+static_assert(kBlock == TransferBlock::kMost);
 constexpr uint64_t kMirror = 3;              // stream of the choices at mirrors
 
 /// One ray under way with what it carries (see Flights).
@@ -79,17 +80,41 @@ void pass_mirrors(const Shot& shot, uint32_t first, Flights& flights, HitBlock& 
     }
 }
 
-/// Write the ends of a block of flights, whose first ray has the index `first`. Gives what left the scene.
-Lost land(const Scene& scene, const Flights& flights, const HitBlock& hits, uint32_t first, Transfers& transfers) {
-    Lost lost;
-    for (uint32_t i = 0; i < flights.rays.size; ++i) {
-        const bool flies = flights.rays.traced[i] != 0, misses = hits.triangle[i] == Hit::kMiss;
-        if (flies && misses) lost.add(flights.flux[i]);
-        // Nothing arrives where light is neither carried nor counts for a density.
-        const bool arrives = flies && !misses && (flights.inv_pdf[i] > 0 || max_component(flights.flux[i]) > 0);
-        const uint32_t side = arrives ? scene.side_of(hits[i].point(), hits.back[i] != 0) : Transfer::kLost;
-        transfers.set(first + i, {side, hits.u[i], hits.v[i], -flights.rays.direction[i], flights.flux[i], flights.inv_pdf[i]});
+/// Write the ends of a block of flights. Gives what left the scene.
+Lost land(const Scene& scene, const Flights& flights, const HitBlock& hits, TransferBlock& transfers) {
+    // Find the side of every hit. Nothing arrives where light is neither carried nor counts for a density.
+    const uint32_t count = flights.rays.size;
+    std::array<uint32_t, kBlock> triangle, side;
+    std::array<int32_t, kBlock> hit, arrives;
+    for (uint32_t i = 0; i < count; ++i) {
+        hit[i] = hits.triangle[i] != Hit::kMiss;
+        triangle[i] = hit[i] ? hits.triangle[i] : 0;
+        arrives[i] = std::max(flights.inv_pdf[i], max_component(flights.flux[i])) > 0 ? flights.rays.traced[i] & hit[i] : 0;
     }
+    scene.tessellation().patches_of(triangle.data(), hits.u.data(), hits.v.data(), count, side.data());
+    for (uint32_t i = 0; i < count; ++i) side[i] += hits.back[i] ? scene.patches() : 0;
+
+    // Write all that arrives to where the next one of its kind goes: that takes less time than to decide whether to write.
+    uint32_t plain = 0, placed = 0;
+    std::array<uint32_t, kBlock + 1> ray_of_placed;
+    for (uint32_t i = 0; i < count; ++i) {
+        const bool is_plain = scene.is_plain(triangle[i]);
+        transfers.plain_side[plain] = side[i];
+        transfers.plain[plain] = {flights.flux[i], flights.inv_pdf[i]};
+        ray_of_placed[placed] = i;
+        plain += is_plain & (arrives[i] != 0);
+        placed += !is_plain & (arrives[i] != 0);
+    }
+    for (uint32_t k = 0; k < placed; ++k) {
+        const uint32_t i = ray_of_placed[k];
+        transfers.placed_side[k] = side[i];
+        transfers.placed[k] = {{flights.flux[i], flights.inv_pdf[i]}, hits.u[i], hits.v[i], -flights.rays.direction[i]};
+    }
+    transfers.plain_size = plain, transfers.placed_size = placed;
+
+    Lost lost;
+    for (uint32_t i = 0; i < count; ++i)
+        if (flights.rays.traced[i] && !hit[i]) lost.add(flights.flux[i]);
     return lost;
 }
 
@@ -97,7 +122,8 @@ Lost land(const Scene& scene, const Flights& flights, const HitBlock& hits, uint
 
 void shoot(const Shot& shot, Transfers& transfers) {
     const uint32_t rays = shot.rays(), blocks = (rays + kBlock - 1) / kBlock;
-    transfers.resize(rays);
+    transfers.open(blocks);
+    transfers.shot = rays;
     transfers.rays = shot.from_power + shot.from_defensive;
     std::vector<Lost> lost(blocks);
 
@@ -110,7 +136,7 @@ void shoot(const Shot& shot, Transfers& transfers) {
         Launcher{shot}(first, std::min(kBlock, rays - first), flights);
         shot.accel.intersect(flights.rays, hits);
         if (shot.scene.has_mirrors()) pass_mirrors(shot, first, flights, hits);
-        lost[block] = land(shot.scene, flights, hits, first, transfers);
+        lost[block] = land(shot.scene, flights, hits, transfers.block(block));
     });
     transfers.escaped = 0, transfers.lost_flux = 0;
     for (const Lost& part : lost) transfers.escaped += part.rays, transfers.lost_flux += part.flux;

@@ -33,14 +33,24 @@ Shot::Shot(const Accel& a, const Emitters& e, const DefensiveStarts& d, const Sh
 }
 
 void Shot::see(std::span<const Look> looks, std::span<Seen> seen) const {
-    for (size_t i = 0; i < looks.size(); ++i) seen[i] = see(Ray{looks[i].origin, looks[i].direction});
+    RayBlock rays;
+    HitBlock hits;
+    for (size_t first = 0; first < looks.size(); first += RayBlock::kMost) {
+        rays.size = static_cast<uint32_t>(std::min<size_t>(looks.size() - first, RayBlock::kMost));
+        for (uint32_t i = 0; i < rays.size; ++i) {
+            const Look& look = looks[first + i];
+            rays.origin.set(i, look.origin), rays.direction.set(i, look.direction), rays.traced[i] = -1;
+        }
+        accel.intersect(rays, hits);
+        for (uint32_t i = 0; i < rays.size; ++i) seen[first + i] = see(rays[i], hits[i]);
+    }
 }
 
-Seen Shot::see(Ray ray) const {
+Seen Shot::see(Ray ray, Hit hit) const {
     Rgb tint{1, 1, 1};
     float survive = 1;
     for (int mirrors = 0; mirrors < kMostMirrors; ++mirrors) {
-        const Hit hit = accel.intersect(ray);
+        if (mirrors > 0) hit = accel.intersect(ray);
         if (hit.is_miss()) return {{}, defensive.open() ? defensive_density_ * survive : 0.0f};
         const Surface y(scene, hit.point(), hit.back);
         const Vec3 w = -ray.direction;

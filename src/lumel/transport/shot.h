@@ -40,7 +40,8 @@ public:
     void see(std::span<const Look> looks, std::span<Seen> seen) const override;
 
 private:
-    Seen see(Ray ray) const;
+    /// What a look along `ray` finds, which met `hit`.
+    Seen see(Ray ray, Hit hit) const;
     float defensive_density_ = 0;
 };
 

@@ -18,22 +18,22 @@ SideSource::SideSource(const Scene& scene, const Emitters& emitters, uint32_t si
 
 void SideSource::draw_points(Leaving& rays) const {
     // Positions and normals are linear over the triangle, hence over the patch, too.
-    const uint32_t triangle = scene_->triangle_of_side(side_);
+    const uint32_t triangle = scene_->triangle_of_side(side_), count = padded(rays.size);
     const PatchCorners corners = scene_->tessellation().corners(scene_->patch_of_side(side_));
     const auto point = [&](int k) { return SurfacePoint{triangle, corners[k].u, corners[k].v}; };
     const Vec3 a = scene_->position(point(0)), ab = scene_->position(point(1)) - a, ac = scene_->position(point(2)) - a;
-    for (uint32_t i = 0; i < rays.size; ++i) {
+    for (uint32_t i = 0; i < count; ++i) {
         const Square b = square_to_triangle({rays.point_u[i], rays.point_v[i]});
         rays.y.set(i, a + ab * b.u + ac * b.v);
     }
     if (!scene_->is_smooth(triangle)) {
-        for (uint32_t i = 0; i < rays.size; ++i) rays.shading.set(i, normal_);
+        for (uint32_t i = 0; i < count; ++i) rays.shading.set(i, normal_);
         return;
     }
     const float sign = scene_->is_back(side_) ? -1.0f : 1.0f;
     const auto normal = [&](int k) { return scene_->interpolated_normal(point(k)) * sign; };
     const Vec3 n = normal(0), nb = normal(1) - n, nc = normal(2) - n;
-    for (uint32_t i = 0; i < rays.size; ++i) {
+    for (uint32_t i = 0; i < count; ++i) {
         const Square b = square_to_triangle({rays.point_u[i], rays.point_v[i]});
         rays.shading.set(i, normalize(n + nb * b.u + nc * b.v));
     }
@@ -47,8 +47,9 @@ void SideSource::draw_directions(Leaving& rays) const {
     if (cosine < rays.size) draw_lobe(rays, cosine);
 }
 
-void SideSource::draw_cosine(Leaving& rays, uint32_t count) const {
+void SideSource::draw_cosine(Leaving& rays, uint32_t size) const {
     const Frame frame(normal_);
+    const uint32_t count = padded(size);
     for (uint32_t i = 0; i < count; ++i)
         rays.w.set(i, frame.to_world(square_to_cosine_hemisphere({rays.direction_u[i], rays.direction_v[i]})));
 }
@@ -77,7 +78,7 @@ void SideSource::draw_lobe(Leaving& rays, uint32_t from) const {
 }
 
 void SideSource::evaluate(Leaving& rays) const {
-    const uint32_t count = rays.size;
+    const uint32_t count = padded(rays.size);
     Leaving::Floats cos_o;
     for (uint32_t i = 0; i < count; ++i) {
         const Vec3 w = rays.w[i];
@@ -95,20 +96,22 @@ void SideSource::evaluate(Leaving& rays) const {
 
 /// Add the specular lobe around a record: f flux / A, and the share that the lobe has in the density.
 void SideSource::add(const Record& record, const Leaving::Floats& cos_o, Leaving& rays) const {
-    const uint32_t count = rays.size;
+    const uint32_t count = padded(rays.size);
     const Vec3 wi = record.wi;
     const float alpha = material_->alpha, power = record.power;
+    const bool fresnel = material_->fresnel.any;
     Leaving::Floats f, cos_h;
     for (uint32_t i = 0; i < count; ++i) {
         const Vec3 shading = rays.shading[i];
         const float cos_i = dot(shading, wi);
         const Vec3 across = wi + rays.w[i] - shading * (cos_i + cos_o[i]);
         const ggx::LobeAndDensity lobe = ggx::eval_with_pdf(cos_i, cos_o[i], dot(across, across), alpha);
-        f[i] = lobe.f, cos_h[i] = lobe.cos_h;
+        f[i] = lobe.f;
+        if (fresnel) cos_h[i] = lobe.cos_h;
         rays.pdf_aw[i] += power * lobe.pdf_w;
     }
     const Rgb flux = material_->specular * record.flux * (1 / area_);
-    if (material_->fresnel.any)
+    if (fresnel)
         for (uint32_t i = 0; i < count; ++i) rays.radiance.set(i, rays.radiance[i] + flux * material_->fresnel(cos_h[i]) * f[i]);
     else
         for (uint32_t i = 0; i < count; ++i) rays.radiance.set(i, rays.radiance[i] + flux * f[i]);
@@ -117,7 +120,7 @@ void SideSource::add(const Record& record, const Leaving::Floats& cos_o, Leaving
 SideSource::Emission SideSource::evaluate(Vec3 shading, Vec3 w) const {
     Leaving one;
     one.size = 1;
-    one.shading.set(0, shading), one.w.set(0, w);
+    for (uint32_t i = 0; i < kSideBySide; ++i) one.shading.set(i, shading), one.w.set(i, w);
     evaluate(one);
     const Rgb radiance = one.radiance[0];
     return {radiance, behind_mirror_, one.pdf_aw[0], sharp(radiance)};

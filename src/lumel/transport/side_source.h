@@ -12,6 +12,7 @@ namespace lumel {
 struct Leaving {
     static constexpr uint32_t kMost = 64;
     using Floats = std::array<float, kMost>;
+    static_assert(kMost % kSideBySide == 0);
 
     uint32_t size = 0;
     std::array<double, kMost> at;                     ///< position in the power of the side that owns the direction, W

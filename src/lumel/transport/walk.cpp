@@ -43,7 +43,7 @@ uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, Emitters emi
         const Shot step(accel, emitters, defensive, {count, config.defensive, key(config.stream, kShoot, generation)});
         shoot(step, transfers);
         scatter(scene, transfers, key(config.stream, kScatter, generation), received, next);
-        shot += transfers.all.size();
+        shot += transfers.shot;
         sink({transfers, step, received, next});
         std::swap(emitters, next);
         next.behind_mirror.clear();

@@ -29,7 +29,7 @@ struct Generation {
     uint64_t arrivals(uint32_t side) const {
         const auto lit = std::count_if(bundles.begin(), bundles.end(),
                                        [&](const Bundle& b) { return max_component(b.irradiance[side]) > 0; });
-        return transfers.group(side).size() + static_cast<uint64_t>(lit);
+        return transfers.arrivals(side) + static_cast<uint64_t>(lit);
     }
 };
 using Sink = std::function<void(const Generation&)>;
