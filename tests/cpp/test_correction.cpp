@@ -104,8 +104,9 @@ TEST(Correction, brings_coarse_patches_to_what_fine_ones_show_at_a_contact) {
         off += sqr(plain.mean(pixel).indirect_diffuse.y - r), left += sqr(corrected.mean(pixel).indirect_diffuse.y - r);
         change += corrected.mean(pixel).indirect_diffuse.y - r, size += r;
     }
-    EXPECT_LT(left, off / 2);
-    EXPECT_LT(std::abs(change), 0.02 * size);
+    // Covers take away half of what coarse patches are off here, and gathering near half of the rest.
+    EXPECT_LT(left, 0.6 * off);
+    EXPECT_LT(std::abs(change), 0.01 * size);
 }
 
 }  // namespace lumel::test
