@@ -2,8 +2,9 @@
 
 Needs the interpreter that Mitsuba is installed for, and numpy; nothing of lumel. Reads one JSON object from stdin:
 `scene` (path), `integrator`, `variant`, `threads`, `cameras` ((4, 4) matrices; film and lens are those of the first sensor),
-`times` (s), `out` (folder). Prints one JSON object a line: `time` (s of rendering alone), `file` (npz: `mean` and `stderr`,
-(cameras, h, w, 3)); at last `compile` (s that were spent making kernels, which no `time` holds).
+`times` (s), `out` (folder), `seed` (of the first pass; a reference must not share passes with what it is compared to). Prints one JSON
+object a line: `time` (s of rendering alone), `file` (npz: `mean` and `stderr`, (cameras, h, w, 3)); at last `compile` (s that were spent
+making kernels, which no `time` holds).
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ def main() -> None:
             spp = int(min(MOST_SAMPLES // (width * height), max(1, (until - spent) * speed * 0.9)))
             begin = time.monotonic()
             for index, camera in enumerate(task["cameras"]):
-                image = render(camera, spp, passes * len(task["cameras"]) + index)
+                image = render(camera, spp, task["seed"] + passes * len(task["cameras"]) + index)
                 total[index] += image * spp
                 squares[index] += image**2 * spp
             seconds, extra = time.monotonic() - begin, compiled()

@@ -31,6 +31,7 @@ from lumel.images.compare import compare
 from lumel.scene import FloatArray
 
 HERE = Path(__file__).resolve().parent
+OTHER_SEED = 1 << 24  # of references
 TARGETS = (5e-3, 1e-3)  # relMSE
 PEERS = (("path", "llvm_ad_rgb"), ("ptracer", "llvm_ad_rgb"), ("path", "scalar_rgb"))
 LLVM = Path("/usr/lib/x86_64-linux-gnu/libLLVM-19.so")  # of Debian's libllvm19
@@ -68,7 +69,7 @@ def measure(name: str, peers: Sequence[tuple[str, str]], arguments: argparse.Nam
     scene = scene_file(name, arguments.out)
     truth = reference_of(name, scene, arguments)
     steps = np.geomspace(arguments.least, arguments.most, 1 + max(1, round(2 * np.log2(arguments.most / arguments.least))))
-    task: dict[str, Any] = {"scene": str(scene), "threads": arguments.threads, "times": steps.tolist()}
+    task: dict[str, Any] = {"scene": str(scene), "threads": arguments.threads, "times": steps.tolist(), "seed": 0}
     task["cameras"] = views(scene, arguments.cameras)
     options = {
         key: json.loads(value) if value[:1] in "0123456789tf" else value for key, value in (o.split("=", 1) for o in arguments.option)
@@ -133,7 +134,8 @@ def reference_of(name: str, scene: Path, arguments: argparse.Namespace) -> Mappi
         return read_picture(folder() / "reference" / f"{name}.exr").layers
     file = arguments.out / f"{scene.stem}-reference.npz"
     if not file.exists():
-        task = {"scene": str(scene), "threads": arguments.threads, "times": [arguments.reference], "cameras": views(scene, 1)}
+        task = {"scene": str(scene), "threads": arguments.threads, "times": [arguments.reference], "seed": OTHER_SEED}
+        task["cameras"] = views(scene, 1)
         with tempfile.TemporaryDirectory() as temporary:
             command = [arguments.mitsuba_python, str(HERE / "peer_mitsuba.py")]
             made = next(run(command, {**task, "out": temporary, "integrator": "path", "variant": "llvm_ad_rgb"}))
