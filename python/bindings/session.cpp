@@ -42,7 +42,7 @@ public:
     BoundSession(const Scene& scene, const std::vector<Camera>& cameras, const std::string& transport, const std::string& areas,
                  const std::string& estimator, float defensive, float gather, std::optional<bool> weight_diffuse, bool first_shot,
                  uint32_t direct_samples, uint64_t seed, int threads, const std::string& iteration, uint32_t window,
-                 uint64_t adaptive_patches, const std::optional<std::string>& isa)
+                 uint64_t adaptive_patches, float most_gathering, const std::optional<std::string>& isa)
         : limit_(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)), arena_(threads) {
         SessionConfig config;
         config.solver = {.transport = named("transport", transport, kTransports),
@@ -56,6 +56,7 @@ public:
         config.areas = named("areas", areas, kAreas);
         config.weight_diffuse = weight_diffuse;
         config.adaptive_patches = adaptive_patches;
+        config.most_gathering = most_gathering;
         if (isa) config.isa = named("isa", *isa, kIsas);
         config.estimator = find_estimator(estimator);
         if (!config.estimator) throw nb::value_error("unknown estimator");
@@ -259,12 +260,12 @@ Array reach_of_lamps(BoundSession& self, uint32_t samples) {
 void bind_session(nb::module_& m) {
     nb::class_<BoundSession>(m, "Session")
         .def(nb::init<const Scene&, const std::vector<Camera>&, const std::string&, const std::string&, const std::string&, float, float,
-                      std::optional<bool>, bool, uint32_t, uint64_t, int, const std::string&, uint32_t, uint64_t,
+                      std::optional<bool>, bool, uint32_t, uint64_t, int, const std::string&, uint32_t, uint64_t, float,
                       const std::optional<std::string>&>(),
              nb::arg("scene"), nb::arg("cameras"), nb::arg("transport"), nb::arg("areas"), nb::arg("estimator"), nb::arg("defensive"),
              nb::arg("gather"), nb::arg("weight_diffuse").none(), nb::arg("first_shot"), nb::arg("direct_samples"), nb::arg("seed"),
              nb::arg("threads"), nb::arg("iteration") = "frozen", nb::arg("window") = 0, nb::arg("adaptive_patches") = 0,
-             nb::arg("isa") = nb::none())
+             nb::arg("most_gathering") = 0.0f, nb::arg("isa") = nb::none())
         .def("begin_replica", &BoundSession::begin_replica, nb::arg("solve_rays"))
         .def("step", &BoundSession::step, nb::arg("work"))
         .def("end_replica", &BoundSession::end_replica)

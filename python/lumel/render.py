@@ -21,7 +21,7 @@ from .progress import Progress
 from .result import Patches, Result
 from .scene import FloatArray, Scene
 from .schedule import SHORTEST_WITH_TRIAL, Schedule, has_time_for_trial
-from .settings import QUALITIES, Quality, Settings
+from .settings import MOST_GATHERING, QUALITIES, Quality, Settings
 
 WORTH_SAYING = 0.02  # share of flagged areas; up to half of it comes by chance
 PARITY_WORTH_SAYING = 1000.0  # lines of a million
@@ -67,7 +67,8 @@ def render(
     areas: `patches` or `pixels`, where the light in gloss is measured. estimator: `auto`,
     `weighted`, `regression` or `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene and
     estimator). gather: gathering rays for every glossy area in view per 2^20 shooting rays or 1024 directions, under one
-    density with them (None: 16, and 0 for `classical`). weight_diffuse: weigh diffuse light, too (None: where the estimator
+    density with them (None: 16, fewer where cameras are so many that this is more than 4 for a shooting ray, and 0 for `classical`).
+    weight_diffuse: weigh diffuse light, too (None: where the estimator
     is `auto` and defensive rays cover all directions). first_shot: compute direct light apart. One budget: rays (shooting rays),
     directions (of bundles), time (s, from `started` until the picture is complete) or error (relative); with none,
     `quality` (draft, medium, high) sets the work. patches: how many, about (None: 20,000 more than there are triangles; 150,000 more
@@ -108,6 +109,7 @@ def render(
             estimator=estimator,
             defensive=-1.0 if defensive is None else defensive,
             gather=settings.gather_rays(),
+            most_gathering=MOST_GATHERING if gather is None else 0.0,
             weight_diffuse=weight_diffuse,
             first_shot=first_shot,
             direct_samples=DIRECT_SAMPLES,

@@ -23,6 +23,7 @@ WINDOWS = (16, 4096)  # least and most pixels of an edge
 AREAS = ("patches", "pixels")
 ISAS = ("avx2", "avx512")
 GATHER = 16.0  # gathering rays an area and 2^20 shooting rays, where the estimator divides by their density: measured in docs/results.md
+MOST_GATHERING = 4.0  # gathering rays for a shooting ray, where the number is not given: many cameras get fewer an area
 LARGEST_PICTURE = 32_768  # pixels a side
 BYTES_PER_PIXEL = 700  # of memory, for each camera
 BYTES_PER_PATCH = 640

@@ -25,6 +25,10 @@ public:
     uint32_t size() const { return static_cast<uint32_t>(sides_.size()); }
     uint32_t eyes() const { return static_cast<uint32_t>(eyes_.size()); }
     const std::vector<uint32_t>& sides() const { return sides_; }
+    /// Pairs of an area and an eye that it faces.
+    size_t measured() const {
+        return static_cast<size_t>(std::count_if(albedo_.begin(), albedo_.end(), [](double a) { return a > 0; }));
+    }
     /// m2
     double area(uint32_t area) const { return double{scene_->side_area(sides_[area])}; }
     /// Mean lum specular albedo of a measured side towards an eye; 0 where the side faces away.

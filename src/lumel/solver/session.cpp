@@ -43,6 +43,10 @@ Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& 
     scene_.set_covers(find_covers(accel_, defensive_));
     const bool in_pixels = config.areas == AreaKind::kPixels;
     PatchAreas patches(scene_, eyes_of(cameras_), in_pixels ? std::vector<uint32_t>{} : visible_glossy_sides(accel_, lattice_, cameras_));
+    if (config_.most_gathering > 0) {
+        const double measured = static_cast<double>(patches.measured()), most = double{config_.most_gathering} * kRaysPerFullStep;
+        if (double{config_.solver.gather} * measured > most) config_.solver.gather = static_cast<float>(most / measured);
+    }
     solver_.emplace(accel_, defensive_, config_.solver, std::move(patches));
     if (in_pixels) solver_->measure_pixels(PixelAreas(accel_, lattice_, cameras_));
     if (config_.weight_diffuse.value_or(is_auto && config_.solver.defensive > 0)) solver_->weigh_irradiance();

@@ -21,6 +21,7 @@ struct SessionConfig {
     const Estimator* estimator = find_estimator("weighted");
     uint64_t adaptive_patches = 0;  ///< divide into about so many patches where the light varies; 0: leave the scene as it is
     Isa isa = best_isa();           ///< that rays are traced with
+    float most_gathering = 0;       ///< gathering rays for every shooting ray: above this, areas get fewer than `gather`; 0: no limit
     std::optional<bool> weight_diffuse;  ///< weigh irradiance too; by default where the estimator is `auto` and the density covers it
 };
 

@@ -8,9 +8,6 @@ namespace {
 
 enum Stream : uint64_t { kFirstShot = 31, kSolve, kStep, kGather, kLamps };
 
-// Work of a full step, which the number of gathering rays refers to.
-constexpr double kRaysPerFullStep = 1 << 20, kBundlesPerFullStep = 1 << 10;
-
 }  // namespace
 
 Solver::Solver(const Accel& accel, const DefensiveStarts& defensive, SolverConfig config, PatchAreas areas)

@@ -14,13 +14,16 @@ namespace lumel {
 
 enum class Transport { kWalk, kRays, kBundles };
 
+/// Work of a full step, which the number of gathering rays refers to.
+inline constexpr double kRaysPerFullStep = 1 << 20, kBundlesPerFullStep = 1 << 10;
+
 /// What bundles carry: the light of a state solved by power, or what the bundle before them brought ([WIS] 3.2).
 enum class Iteration { kFrozen, kPlain };
 
 struct SolverConfig {
     Transport transport = Transport::kRays;
     float defensive = 0.1f;         ///< share of defensive rays, 0..1; a session chooses one if it is negative
-    float gather = 0;               ///< gathering rays for every measured side, eye and full step; -1: a session chooses
+    float gather = 0;               ///< gathering rays for every measured side, eye and full step
     bool first_shot = true;         ///< compute direct light apart, and shoot its first reflection
     uint32_t direct_samples = 4;    ///< shadow rays a side and replica for the first shot
     Rgb homogeneous{};              ///< for tests: see IlluminationConfig
