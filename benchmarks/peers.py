@@ -4,8 +4,10 @@ python benchmarks/peers.py [--mitsuba-python PATH] [--most SECONDS] [--cameras N
 
 Every renderer runs in its own process, one after the other. Times start when the files are read: lumel's tessellation, acceleration
 structure and tables are counted, Mitsuba's loading and compilation of kernels are not. Errors are relMSE against the reference of the
-first camera less the noise of the reference itself; with N cameras the times are those of all of them. Scenes are the names of reference
-scenes, of generated ones (see `generated.py`; their references are made by Mitsuba's path tracer, once), or files.
+first camera less the noise of the reference itself; with N cameras the times are those of all of them. LuxCore, if `--peers` has it and
+`--luxcore-python` has pyluxcore, renders one camera, and is compared with two long renders of its own: its gloss is only alike. Scenes
+are the names of reference scenes, of generated ones (see `generated.py`; their references are made by Mitsuba's path tracer, once), or
+files.
 """
 
 from __future__ import annotations
@@ -42,7 +44,8 @@ def main() -> None:
     """Measure, print a Markdown table, draw the curves."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mitsuba-python", default=os.environ.get("MITSUBA_PYTHON", sys.executable), help="interpreter that has Mitsuba")
-    parser.add_argument("--peers", default="path", help="of path, ptracer, scalar, separated by commas (default: %(default)s)")
+    parser.add_argument("--luxcore-python", default=os.environ.get("LUXCORE_PYTHON", sys.executable), help="interpreter that has pyluxcore")
+    parser.add_argument("--peers", default="path", help="of path, ptracer, scalar, luxcore, separated by commas (default: %(default)s)")
     parser.add_argument("--most", type=float, default=16, help="seconds of the longest render (default: %(default)g)")
     parser.add_argument("--least", type=float, default=0.25, help="seconds of the shortest render (default: %(default)g)")
     parser.add_argument("--cameras", type=int, default=1, help="views to render, the first is the scene's own (default: %(default)s)")
@@ -55,7 +58,9 @@ def main() -> None:
     parser.add_argument("names", nargs="*", default=NAMES, metavar="SCENE")
     arguments = parser.parse_args()
     wanted = [p for p in PEERS if ("scalar" if p[1].startswith("scalar") else p[0]) in arguments.peers.split(",")]
-    require_mitsuba(arguments.mitsuba_python)
+    require("mitsuba", arguments.mitsuba_python, "--mitsuba-python")
+    if "luxcore" in arguments.peers.split(","):
+        require("pyluxcore", arguments.luxcore_python, "--luxcore-python")
     arguments.out.mkdir(parents=True, exist_ok=True)
     print(machine(), end="\n\n")
     print("| scene | renderer | compile, s | " + " | ".join(f"s to {t:g}" for t in TARGETS) + " | last: s | relMSE | of 8x8 means |")
@@ -81,6 +86,11 @@ def measure(name: str, peers: Sequence[tuple[str, str]], arguments: argparse.Nam
         for kind, variant in peers:
             command = [arguments.mitsuba_python, HERE / "peer_mitsuba.py"]
             runs.append((f"Mitsuba {kind} {variant.split('_')[0]}", command, {"integrator": kind, "variant": variant}))
+        truths = dict.fromkeys((label for label, _, _ in runs), truth)
+        if "luxcore" in arguments.peers.split(","):
+            handed = export(scene, arguments.out)
+            runs.append(("LuxCore", [arguments.luxcore_python, HERE / "peer_luxcore.py"], {"scene": str(handed)}))
+            truths["LuxCore"] = luxcore_reference(handed, arguments)
         for label, command, more in runs:
             curve, compile_s, coarse = [], "", 0.0
             for said in run([str(part) for part in command], {**task, **more, "out": folder}):
@@ -88,7 +98,7 @@ def measure(name: str, peers: Sequence[tuple[str, str]], arguments: argparse.Nam
                     compile_s = f"{said['compile']:.2f}"
                     continue
                 with np.load(said["file"]) as data:
-                    errors = compare(data["mean"][0], truth["rgb"], None, truth["stderr"])
+                    errors = compare(data["mean"][0], truths[label]["rgb"], None, truths[label]["stderr"])
                 curve.append((said["time"], float(errors.relmse_without_noise or 0)))
                 coarse = float(errors.relmse_8x8_without_noise or 0)
             times = [time_to(curve, target) for target in TARGETS]
@@ -144,10 +154,43 @@ def reference_of(name: str, scene: Path, arguments: argparse.Namespace) -> Mappi
         return {"rgb": data["mean"][0], "stderr": data["stderr"][0]}
 
 
-def require_mitsuba(python: str) -> None:
-    """End with a clear message where the peer is missing."""
-    if subprocess.run([python, "-c", "import mitsuba"], capture_output=True, check=False).returncode:
-        raise SystemExit(f"{python} has no Mitsuba 3: `pip install mitsuba` somewhere and name that interpreter with --mitsuba-python")
+def export(scene: Path, folder: Path) -> Path:
+    """The first camera and the meshes of a scene in one file, for renderers that do not read the scene's own."""
+    loaded = lumel.load(scene)
+    camera = loaded.cameras[0]
+    about = {
+        "width": camera.width,
+        "height": camera.height,
+        "to_world": np.asarray(camera.to_world).tolist(),
+        "tan_half": min(camera.tan_half()),
+        "meshes": [
+            {"emission": mesh.emission, **{key: getattr(loaded.materials[mesh.material], key) for key in ("diffuse", "specular", "alpha")}}
+            for mesh in loaded.meshes
+        ],
+    }
+    arrays = {f"{key} {i}": getattr(mesh, key) for i, mesh in enumerate(loaded.meshes) for key in ("vertices", "triangles")}
+    file = folder / f"{scene.stem}-meshes.npz"
+    np.savez(file, about=json.dumps(about), **arrays)
+    return file
+
+
+def luxcore_reference(handed: Path, arguments: argparse.Namespace) -> Mapping[str, FloatArray]:
+    """The mean of two long renders of LuxCore, and what their difference says of its noise."""
+    task: dict[str, Any] = {"scene": str(handed), "threads": arguments.threads, "times": [arguments.reference / 2]}
+    halves = []
+    with tempfile.TemporaryDirectory() as temporary:
+        for seed in (OTHER_SEED, OTHER_SEED + 1):
+            command = [arguments.luxcore_python, str(HERE / "peer_luxcore.py")]
+            made = next(run(command, {**task, "seed": seed, "out": temporary}))
+            with np.load(made["file"]) as data:
+                halves.append(data["mean"][0])
+    return {"rgb": (halves[0] + halves[1]) / 2, "stderr": np.abs(halves[0] - halves[1]) / 2}
+
+
+def require(module: str, python: str, flag: str) -> None:
+    """End with a clear message where a peer is missing."""
+    if subprocess.run([python, "-c", f"import numpy, {module}"], capture_output=True, check=False).returncode:
+        raise SystemExit(f"{python} has no {module}: `pip install {module}` somewhere and name that interpreter with {flag}")
 
 
 def time_to(curve: Curve, target: float) -> float:
