@@ -67,7 +67,8 @@ class Schedule:
     _shot: float = field(default=0.0, init=False)  # seconds of that clock spent shooting
     _shooting_s: float = field(default=0.0, init=False)  # the same by the wall
     _step_speed: float = field(default=0.0, init=False)  # work a second of the last step
-    _solve_speed: float = field(default=0.0, init=False)  # rays a second of the last solve
+    _solve_speed: float = field(default=0.0, init=False)  # rays a second of the last solve,
+    _solved: int = field(default=0, init=False)  # and its rays
 
     # What a budget means
 
@@ -193,11 +194,13 @@ class Schedule:
         first = self.session.steps == 0
         while True:
             room = (until - self._clock.now()) * self._step_speed
+            # Replicas count alike, so none may measure less than it has solved.
+            least = max(4 * self.pace.least, int(self._solved / self.pace.rays) if first else 0)
             if not first and (room < self.pace.per_step / 32 or self._stop()):
                 return
             first = False
             parts = max(1, round(room / self._largest_step()))
-            self._step(max(4 * self.pace.least, int(room / parts)))
+            self._step(max(least, int(room / parts)))
             self._tell("shoot", self._fraction())
 
     def _begin(self, rays: int) -> None:
@@ -209,7 +212,8 @@ class Schedule:
             return self.session.rays - rays_before + RAYS_PER_PATCH_LIT * self.patches
 
         seconds = self._shoot(solve)
-        self._solve_speed = (self.session.rays - rays_before) / seconds
+        self._solved = self.session.rays - rays_before
+        self._solve_speed = self._solved / seconds
 
     def _step(self, work: int) -> None:
         work_before = self.work
