@@ -228,13 +228,18 @@ class Schedule:
             self._solve_speed = self._step_speed
 
     def _shoot(self, work: Callable[[], float]) -> float:
-        """Do some work, which says how many rays take as long; gives its seconds on the clock."""
-        before, wall = self._clock.now(), time.monotonic()
-        self._clock.spend(work())
-        seconds = max(1e-6, self._clock.now() - before)
+        """Do a part of shooting; see `_timed`."""
+        wall = time.monotonic()
+        seconds = self._timed(work)
         self._shot += seconds
         self._shooting_s += time.monotonic() - wall
         return seconds
+
+    def _timed(self, work: Callable[[], float]) -> float:
+        """Do some work, which says how many rays take as long; gives its seconds on the clock."""
+        before = self._clock.now()
+        self._clock.spend(work())
+        return max(1e-6, self._clock.now() - before)
 
     def _see(self, samples: int) -> None:
         """`samples` samples a pixel for every camera; after an interruption as few as make a picture."""
@@ -349,17 +354,15 @@ class Schedule:
         shoot, see = solution * math.sqrt(self._shot), eye * math.sqrt(seeing)
         return min(SHOOT_SHARES[1], max(SHOOT_SHARES[0], shoot / (shoot + see))) if shoot + see > 0 else SHOOT_SHARE
 
-    def _pass(self, samples: int) -> None:
-        """One pass for every camera."""
+    def _pass(self, samples: int) -> float:
+        """One pass for every camera; says how many rays take as long."""
         for camera in range(self.cameras):
             self.session.eye_pass(camera, samples)
+        return self._rays_of_eye(samples)
 
     def _timed_pass(self, samples: int) -> float:
         """The same; gives the seconds that it took."""
-        before = self._clock.now()
-        self._pass(samples)
-        self._clock.spend(self._rays_of_eye(samples))
-        return max(1e-6, self._clock.now() - before)
+        return self._timed(lambda: self._pass(samples))
 
     def _rays_of_eye(self, samples: int) -> float:
         """Rays that could be shot in the time of `samples` samples a pixel."""
