@@ -36,6 +36,11 @@ const char* name_of(Value value, const std::array<std::pair<const char*, Value>,
 
 constexpr std::array<std::pair<const char*, Iteration>, 2> kIterations{{{"frozen", Iteration::kFrozen}, {"plain", Iteration::kPlain}}};
 
+/// Ways to trace the rays of a step: one by one, in packets as they come, or in packets as shooting does.
+enum class Tracing { kSingle, kPackets, kOrdered };
+constexpr std::array<std::pair<const char*, Tracing>, 3> kTracings{
+    {{"single", Tracing::kSingle}, {"packets", Tracing::kPackets}, {"ordered", Tracing::kOrdered}}};
+
 /// A session that works with a given number of threads, and lets other Python threads run meanwhile.
 class BoundSession {
 public:
@@ -106,15 +111,15 @@ public:
             count += static_cast<uint64_t>(-std::accumulate(block.traced.begin(), block.traced.begin() + block.size, 0));
         return count;
     }
-    /// Eight at a time, or one by one.
-    void trace_captured(bool single) {
+    void trace_captured(const std::string& way) {
+        const Tracing tracing = named("way", way, kTracings);
         run([&] {
             tbb::parallel_for(size_t{0}, captured_.size(), [&](size_t block) {
                 const FlushDenormals flush;
                 const RayBlock& rays = captured_[block];
                 HitBlock hits;
-                if (!single)
-                    session_->accel().intersect(rays, hits);
+                if (tracing != Tracing::kSingle)
+                    session_->accel().intersect(rays, hits, tracing == Tracing::kPackets ? Coherence::kNone : Coherence::kOrigins);
                 else
                     for (uint32_t i = 0; i < rays.size; ++i)
                         if (rays.traced[i]) hits.set(i, session_->accel().intersect(rays[i]));
@@ -274,7 +279,7 @@ void bind_session(nb::module_& m) {
         .def("reconstruct", &BoundSession::reconstruct)
         .def("eye_pass", &BoundSession::eye_pass, nb::arg("camera"), nb::arg("samples"))
         .def("capture", &BoundSession::capture, nb::arg("rays"))
-        .def("trace_captured", &BoundSession::trace_captured, nb::arg("single") = false)
+        .def("trace_captured", &BoundSession::trace_captured, nb::arg("way"))
         .def("stop", [](BoundSession& self) { self.session().stop(); })
         .def("layers", layers, nb::arg("camera"))
         .def("lamp_reach", reach_of_lamps, nb::arg("samples"))

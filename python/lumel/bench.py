@@ -13,10 +13,11 @@ import numpy as np
 
 from . import _core
 from .core import camera_to_core, to_core
+from .pace import RAYS_PER_STEP
 from .render import DIRECT_SAMPLES, with_camera
 from .scene import Camera, Scene
 
-RAYS = 1 << 20  # of a step
+RAYS = RAYS_PER_STEP  # of a step
 WINDOW = 1024  # pixels a side, of bundles
 DIRECTIONS = 32  # of a round of bundles
 ROUNDS = 5  # the median of so many is taken
@@ -40,9 +41,10 @@ def run(
     traced = shooting.capture(rays)
     raster = _core.Raster(core, threads)
     pairs = raster.sweep(WINDOW, DIRECTIONS, 0)["pairs"]
-    trace, single, step, sweep = _turns(
-        shooting.trace_captured,
-        lambda: shooting.trace_captured(single=True),
+    single, packets, ordered, step, sweep = _turns(
+        lambda: shooting.trace_captured("single"),
+        lambda: shooting.trace_captured("packets"),
+        lambda: shooting.trace_captured("ordered"),
         lambda: shooting.step(rays),
         lambda: raster.sweep(WINDOW, DIRECTIONS, 0),
     )
@@ -57,13 +59,14 @@ def run(
     seen, without = _turns(lambda: shooting.eye_pass(0, EYE_SAMPLES), lambda: dark.eye_pass(0, EYE_SAMPLES))
     samples = eyes[0].width * eyes[0].height * EYE_SAMPLES
     return {
-        "embree_rays_per_s": traced / trace,
+        "embree_rays_per_s": traced / packets,
         "embree_single_rays_per_s": traced / single,
+        "ordered_rays_per_s": traced / ordered,
         "shooting_rays_per_s": rays / step,
-        "shooting_over_embree": rays / step / (traced / trace),
+        "shooting_over_embree": rays / step / (traced / packets),
         "shooting_over_embree_single": rays / step / (traced / single),
         "bundle_transfers_per_s": pairs / sweep,
-        "bundles_over_embree": pairs / sweep / (traced / trace),
+        "bundles_over_embree": pairs / sweep / (traced / packets),
         "bundles_over_embree_single": pairs / sweep / (traced / single),
         "eye_pixels_per_s": samples / seen,
         "eye_pixels_per_s_without_direct": samples / without,

@@ -258,9 +258,7 @@ TEST(Accel, no_ray_escapes_a_closed_mesh) {
     EXPECT_LT(missed, kAimed / 1000);
 }
 
-TEST(Accel, blocks_and_single_rays_agree) {
-    const Scene scene = soup(11).build(500);
-    const Accel accel(scene);
+void expect_blocks_to_agree_with_single_rays(const Scene& scene, const Accel& accel) {
     Rng rng(6);
     for (int round = 0; round < 20; ++round) {
         // From one point, or from anywhere; the last rays of the block are left out.
@@ -272,8 +270,8 @@ TEST(Accel, blocks_and_single_rays_agree) {
             rays.traced[i] = i + 5 < rays.size ? -1 : 0;
         }
         HitBlock hits;
-        std::array<bool, RayBlock::kMost> blocked;
-        accel.intersect(rays, hits, round % 2 ? Coherence::kRays : Coherence::kOrigins);
+        BlockedBlock blocked;
+        accel.intersect(rays, hits, static_cast<Coherence>(round % 3));
         accel.occluded(rays, blocked);
         for (uint32_t i = 0; i < rays.size; ++i) {
             const bool traced = rays.traced[i] != 0;
@@ -283,6 +281,12 @@ TEST(Accel, blocks_and_single_rays_agree) {
             ASSERT_EQ(blocked[i], traced && accel.occluded({rays.origin[i], rays.direction[i], 1}));
         }
     }
+}
+
+TEST(Accel, blocks_and_single_rays_agree) {
+    const Scene scene = soup(11).build(500);
+    for (const auto& [name, isa] : kIsas)
+        if (has(isa)) expect_blocks_to_agree_with_single_rays(scene, Accel(scene, isa));
 }
 
 TEST(Accel, lamps_alone) {

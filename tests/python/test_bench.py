@@ -15,6 +15,7 @@ def test_bench_says_what_it_measured() -> None:
         embree = found[f"embree{which}_rays_per_s"]
         assert found[f"shooting_over_embree{which}"] == pytest.approx(found["shooting_rays_per_s"] / embree)
         assert found[f"bundles_over_embree{which}"] == pytest.approx(found["bundle_transfers_per_s"] / embree)
+    assert found["ordered_rays_per_s"] > 0
     assert found["eye_pixels_per_s"] > 0
     assert found["peak_rss_bytes"] > 0
     assert (found["cameras"], found["threads"], found["triangles"]) == (2, 1, 12)

@@ -54,6 +54,7 @@ def tell(found: Mapping[str, Any]) -> str:
         f"scene      {size}, {_plural(found['cameras'], 'eye')}, {_plural(found['threads'], 'thread')}, {found['isa']}",
         f"Embree     {text.count(found['embree_rays_per_s'], 'rays/s')}, closest hits of the rays that are shot, eight at a time",
         f"           {text.count(found['embree_single_rays_per_s'], 'rays/s')} one by one",
+        f"           {text.count(found['ordered_rays_per_s'], 'rays/s')} ordered by direction, as shooting traces them",
         f"shooting   {text.count(found['shooting_rays_per_s'], 'rays/s')} all in, {_ratios(found, 'shooting', 2)}",
         f"bundles    {text.count(found['bundle_transfers_per_s'], 'transfers/s')}, {_ratios(found, 'bundles', 0)}",
         f"eye pass   {text.count(found['eye_pixels_per_s'], 'samples/s')}",

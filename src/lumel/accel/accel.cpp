@@ -8,6 +8,7 @@
 #include <string>
 
 #include "lumel/accel/embree.h"
+#include "lumel/accel/packets.h"
 
 namespace lumel {
 
@@ -22,23 +23,6 @@ RTCRay to_embree(const Ray& ray) {
     r.tnear = 0, r.tfar = ray.reach, r.time = 0;
     r.mask = 0xffffffffu, r.id = 0, r.flags = 0;
     return r;
-}
-
-/// The kSideBySide rays of a block from `first` on.
-void to_embree(const RayBlock& rays, uint32_t first, float reach, std::array<int, kSideBySide>& valid, RTCRay8& query) {
-    for (uint32_t k = 0; k < kSideBySide; ++k) {
-        const uint32_t i = first + k;
-        valid[k] = i < rays.size ? rays.traced[i] : 0;
-        query.org_x[k] = rays.origin.x[i], query.org_y[k] = rays.origin.y[i], query.org_z[k] = rays.origin.z[i];
-        query.dir_x[k] = rays.direction.x[i], query.dir_y[k] = rays.direction.y[i], query.dir_z[k] = rays.direction.z[i];
-        query.tfar[k] = reach;
-    }
-}
-
-/// What Embree leaves as it is from one packet to the next.
-void fill_constants(RTCRay8& ray) {
-    for (uint32_t k = 0; k < kSideBySide; ++k)
-        ray.tnear[k] = 0, ray.time[k] = 0, ray.mask[k] = 0xffffffffu, ray.id[k] = 0, ray.flags[k] = 0;
 }
 
 Hit closest(RTCScene scene, const Ray& ray) {
@@ -60,6 +44,7 @@ FlushDenormals::~FlushDenormals() { _mm_setcsr(saved_); }
 struct Accel::Embree {
     RTCDevice device = nullptr;
     RTCScene all = nullptr, lamps = nullptr;
+    bool wide = false;                     // does the processor hold sixteen rays side by side?
     std::vector<uint32_t> lamp_triangles;  // of the primitives of `lamps`
 
     ~Embree() {
@@ -102,6 +87,7 @@ Accel::Accel(const Scene& scene, Isa isa) : scene_(&scene), embree_(std::make_un
     if (!has(isa)) throw std::invalid_argument(isa == Isa::kAvx2 ? "this processor has no AVX2" : "this processor has no AVX-512");
     embree_->device = rtcNewDevice(isa == Isa::kAvx2 ? "isa=avx2" : "isa=avx512");
     if (!embree_->device) throw std::runtime_error("Embree cannot be started (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
+    embree_->wide = isa == Isa::kAvx512;
     embree_->all = embree_->build(scene, scene.indices());
     std::vector<Indices> lamps;
     for (const AreaLamp& lamp : scene.area_lamps())
@@ -124,22 +110,7 @@ Hit Accel::intersect_lamps(const Ray& ray) const {
 }
 
 void Accel::intersect(const RayBlock& rays, HitBlock& hits, Coherence coherence) const {
-    RTCRayHit8 query{};
-    fill_constants(query.ray);
-    alignas(32) std::array<int, kSideBySide> valid;
-    for (uint32_t first = 0; first < rays.size; first += kSideBySide) {
-        to_embree(rays, first, INFINITY, valid, query.ray);
-        for (uint32_t k = 0; k < kSideBySide; ++k)
-            query.hit.geomID[k] = query.hit.instID[0][k] = query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
-        embree::intersect(valid.data(), embree_->all, coherence == Coherence::kRays, query);
-        for (uint32_t k = 0; k < kSideBySide; ++k) {
-            const uint32_t i = first + k;
-            const float along = query.hit.Ng_x[k] * query.ray.dir_x[k] + query.hit.Ng_y[k] * query.ray.dir_y[k] +
-                                query.hit.Ng_z[k] * query.ray.dir_z[k];
-            hits.triangle[i] = query.hit.primID[k];
-            hits.u[i] = query.hit.u[k], hits.v[i] = query.hit.v[k], hits.back[i] = along > 0;
-        }
-    }
+    packets::intersect(embree_->all, embree_->wide, rays, coherence, hits);
 }
 
 bool Accel::occluded(const Ray& ray) const {
@@ -148,15 +119,6 @@ bool Accel::occluded(const Ray& ray) const {
     return query.tfar < 0;
 }
 
-void Accel::occluded(const RayBlock& segments, std::array<bool, RayBlock::kMost>& blocked) const {
-    RTCRay8 query{};
-    fill_constants(query);
-    alignas(32) std::array<int, kSideBySide> valid;
-    for (uint32_t first = 0; first < segments.size; first += kSideBySide) {
-        to_embree(segments, first, 1, valid, query);
-        embree::occluded(valid.data(), embree_->all, query);
-        for (uint32_t k = 0; k < kSideBySide; ++k) blocked[first + k] = query.tfar[k] < 0;
-    }
-}
+void Accel::occluded(const RayBlock& segments, BlockedBlock& blocked) const { packets::occluded(embree_->all, segments, blocked); }
 
 }  // namespace lumel

@@ -39,13 +39,17 @@ struct RayBlock {
 
 /// What the rays of a block hit; what was left out misses.
 struct HitBlock {
-    alignas(32) std::array<uint32_t, RayBlock::kMost> triangle;
-    alignas(32) std::array<float, RayBlock::kMost> u, v;
-    alignas(32) std::array<int32_t, RayBlock::kMost> back;
+    static constexpr uint32_t kRoom = RayBlock::kRoom;
+
+    alignas(32) std::array<uint32_t, kRoom> triangle;
+    alignas(32) std::array<float, kRoom> u, v;
+    alignas(32) std::array<int32_t, kRoom> back;
 
     Hit operator[](uint32_t i) const { return {triangle[i], u[i], v[i], back[i] != 0}; }
     void set(uint32_t i, const Hit& hit) { triangle[i] = hit.triangle, u[i] = hit.u, v[i] = hit.v, back[i] = hit.back; }
 };
+/// Which segments of a block are blocked.
+using BlockedBlock = std::array<bool, RayBlock::kRoom>;
 
 /// Flush denormals on this thread while it traces, as Embree wants.
 class FlushDenormals {
@@ -59,8 +63,8 @@ private:
     unsigned saved_;
 };
 
-/// What neighbours in a block have in common: about their origins alone, or their directions too, as rays from one eye have.
-enum class Coherence { kOrigins, kRays };
+/// What neighbours in a block have in common: nothing, about their origins alone, or their directions too, as rays from one eye have.
+enum class Coherence { kNone, kOrigins, kRays };
 
 /// Instruction sets that Embree traces with. Where rays meet edges, and in the last digits of hits, they differ by rounding.
 enum class Isa { kAvx2, kAvx512 };
@@ -79,13 +83,13 @@ public:
     Accel(Accel&&) noexcept;
 
     Hit intersect(const Ray& ray) const;
-    /// Closest hits of all rays of a block, eight at a time: faster than one by one where neighbours start near each other.
+    /// Closest hits of all rays of a block, many at a time: faster than one by one where neighbours start near each other.
     void intersect(const RayBlock& rays, HitBlock& hits, Coherence coherence = Coherence::kOrigins) const;
     /// Closest hit among the area lamps, as if there were nothing else.
     Hit intersect_lamps(const Ray& ray) const;
     bool occluded(const Ray& ray) const;
     /// For all rays of a block that are traced, whether anything is met between origin and origin + direction.
-    void occluded(const RayBlock& segments, std::array<bool, RayBlock::kMost>& blocked) const;
+    void occluded(const RayBlock& segments, BlockedBlock& blocked) const;
     /// Do two points see each other? Both must already be off their surfaces.
     bool visible(Vec3 a, Vec3 b) const { return !occluded({a, b - a, 1.0f}); }
 

@@ -49,7 +49,7 @@ void EyeRays::light(uint32_t pixel, const LampLight& light) {
 }
 
 void EyeRays::cast_shadows() {
-    std::array<bool, RayBlock::kMost> blocked;
+    BlockedBlock blocked;
     accel_.occluded(shadows_, blocked);
     for (uint32_t i = 0; i < shadows_.size; ++i)
         if (!blocked[i]) pass_[lights_[i].pixel].sum.direct += lights_[i].radiance;

@@ -46,7 +46,7 @@ public:
     }
     /// Cast the shadow rays that wait.
     void cast() {
-        std::array<bool, RayBlock::kMost> blocked;
+        BlockedBlock blocked;
         accel_.occluded(shadows_, blocked);
         for (uint32_t k = 0; k < shadows_.size; ++k)
             if (!blocked[k]) use_(samples_[k]);
