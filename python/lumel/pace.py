@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
-RAYS_PER_STEP = 1 << 20
+RAYS_PER_STEP = 1 << 22  # what a step costs for every patch is little then, beside its rays
 
 
 @dataclass(frozen=True)

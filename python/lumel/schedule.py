@@ -10,12 +10,13 @@ from dataclasses import dataclass, field
 
 from . import _core
 from .error_bars import errors
-from .pace import BUNDLES, PLAIN, RAYS, RAYS_PER_STEP, Clock, Pace, WallClock, WorkClock
+from .pace import BUNDLES, PLAIN, RAYS, Clock, Pace, WallClock, WorkClock
 from .progress import Phase, Progress
 
 REPLICAS = 16  # independent solves that error bars rest on
 FEWEST_REPLICAS = 4
-LARGEST_SOLVE = 2  # times RAYS_PER_STEP, or the rays that the patches need, that the solve of a replica may be as large as
+LARGEST_SOLVE = (1 << 21, 4)  # rays of the solve of a replica, or rays a patch if that is more
+LARGEST_PILOT = 1 << 19  # rays of a first step, to know how fast work is
 RAYS_PER_PATCH = 8  # of a replica: below this, fewer replicas are better
 SOLVE_SHARE = 0.25  # of a replica's time, for its own solution by power (transports `rays` and `bundles`)
 SHOOT_SHARE = 0.4  # of the time that is left after the scene is ready, while nothing is known of it
@@ -196,7 +197,7 @@ class Schedule:
             room = (until - self._clock.now()) * self._step_speed
             # Replicas count alike, so none may measure less than it has solved.
             least = max(4 * self.pace.least, int(self._solved / self.pace.rays) if first else 0)
-            if not first and (room < self.pace.per_step / 32 or self._stop()):
+            if not first and (room < self.pace.per_step / 128 or self._stop()):
                 return
             first = False
             parts = max(1, round(room / self._largest_step()))
@@ -208,7 +209,7 @@ class Schedule:
         rays_before = self.session.rays
 
         def solve() -> float:
-            self.session.begin_replica(min(rays, LARGEST_SOLVE * max(RAYS_PER_STEP, 2 * self.patches)))
+            self.session.begin_replica(min(rays, max(LARGEST_SOLVE[0], LARGEST_SOLVE[1] * self.patches)))
             return self.session.rays - rays_before + RAYS_PER_PATCH_LIT * self.patches
 
         seconds = self._shoot(solve)
@@ -381,7 +382,7 @@ class Schedule:
         return max(2, min(most, max(FEWEST_REPLICAS, wanted)))
 
     def _pilot_rays(self, seconds: float) -> int:
-        return int(min(RAYS_PER_STEP / 2, max(16_384, seconds * 50_000)))
+        return int(min(LARGEST_PILOT, max(16_384, seconds * 50_000)))
 
     def _largest_step(self) -> int:
         return self.pace.per_step if self.transport == "bundles" else max(self.pace.per_step, 2 * self.patches)
