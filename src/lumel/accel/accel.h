@@ -28,7 +28,7 @@ struct Hit {
 
 /// Rays side by side, for many queries at once.
 struct RayBlock {
-    static constexpr uint32_t kMost = 512, kRoom = kMost + kSideBySide;
+    static constexpr uint32_t kMost = 2048, kRoom = kMost + kSideBySide;
 
     uint32_t size = 0;
     Vec3Array<kRoom> origin, direction;

@@ -28,25 +28,25 @@ constexpr uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
     return x ^ (x * 0x53a22864u);
 }
 
-constexpr uint32_t owen_scramble(uint32_t x, uint32_t seed) { return reverse_bits(scramble_reversed(reverse_bits(x), seed)); }
-
-/// Second Sobol dimension of an index, given its first, which is the reversed index. Its generator matrix is Pascal's triangle modulo 2,
-/// the fifth Kronecker power of [1 1; 0 1]: each of the five factors adds half of the bits to the other half.
-constexpr uint32_t sobol_second(uint32_t first) {
-    first ^= (first & 0x55555555u) << 1;
-    first ^= (first & 0x33333333u) << 2;
-    first ^= (first & 0x0f0f0f0fu) << 4;
-    first ^= (first & 0x00ff00ffu) << 8;
-    return first ^ first << 16;
+/// Second Sobol dimension of an index, both with their bits reversed: the first dimension is the reversed index, so this takes what the
+/// first is, too. The generator matrix is Pascal's triangle modulo 2, the fifth Kronecker power of [1 1; 0 1]: each of the five factors adds
+/// half of the bits to the other half.
+constexpr uint32_t sobol_second_reversed(uint32_t index) {
+    index ^= (index & 0xaaaaaaaau) >> 1;
+    index ^= (index & 0xccccccccu) >> 2;
+    index ^= (index & 0xf0f0f0f0u) >> 4;
+    index ^= (index & 0xff00ff00u) >> 8;
+    return index ^ index >> 16;
 }
 
 /// Point `index` of the scrambled (0,2)-sequence of stream `seed`. Other streams are independently shuffled and scrambled
 /// (Burley 2020, JCGT 9(4)), so that pairs of dimensions can be padded by giving each its own stream.
 inline Square sobol2d(uint32_t index, uint64_t seed) {
     const auto lo = static_cast<uint32_t>(seed), hi = static_cast<uint32_t>(seed >> 32);
-    // Shuffling the index reverses it twice; the first Sobol dimension is its reversal, so one of them is free.
-    const uint32_t x = scramble_reversed(reverse_bits(index), lo ^ 0x79c68e4au), y = sobol_second(x);
-    return {to_unit(owen_scramble(x, hi)), to_unit(owen_scramble(y, lo * 0x9e3779b9u + hi))};
+    // A shuffled index is its own first dimension reversed, which is what scrambling starts from.
+    const uint32_t first = reverse_bits(scramble_reversed(reverse_bits(index), lo ^ 0x79c68e4au)), second = sobol_second_reversed(first);
+    const auto scramble = [](uint32_t reversed, uint32_t key) { return to_unit(reverse_bits(scramble_reversed(reversed, key))); };
+    return {scramble(first, hi), scramble(second, lo * 0x9e3779b9u + hi)};
 }
 
 }  // namespace lumel

@@ -26,7 +26,7 @@ struct Transfer : Carried {
 
 /// The transfers of a block of rays in the order of these: those that ended on plain sides, and all others with their places.
 struct TransferBlock {
-    static constexpr uint32_t kMost = 512;
+    static constexpr uint32_t kMost = 2048;
 
     uint32_t plain_size, placed_size;
     std::array<uint32_t, kMost> plain_side, placed_side;
