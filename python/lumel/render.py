@@ -20,8 +20,10 @@ from .memory import expected
 from .progress import Progress
 from .result import Patches, Result
 from .scene import FloatArray, Scene
-from .schedule import SHORTEST_WITH_TRIAL, Schedule, has_time_for_trial
+from .schedule import Schedule
 from .settings import MOST_GATHERING, QUALITIES, Quality, Settings
+from .trial import SHORTEST_WITH_TRIAL, has_time_for_trial
+from .work import Work
 
 WORTH_SAYING = 0.02  # share of flagged areas; up to half of it comes by chance
 PARITY_WORTH_SAYING = 1000.0  # lines of a million
@@ -123,23 +125,22 @@ def render(
 
     # Bundles, which may be chosen in a trial, know even patches alone.
     is_tried = settings.is_free and has_time_for_trial(time)
-    schedule = Schedule(
-        session(many if settings.wants_adaptive and not is_tried else 0), len(cameras), sum(c.width * c.height for c in cameras),
-        settings.first_transport, is_tried, iteration == "plain", started, progress, interrupted or (lambda: False),
-    )  # fmt: skip
+    first = session(many if settings.wants_adaptive and not is_tried else 0)
+    work = Work(first, len(cameras), sum(c.width * c.height for c in cameras), settings.first_transport, iteration == "plain")
+    schedule = Schedule(work, is_tried, started, progress, interrupted or (lambda: False))
     if settings.wants_adaptive:
         schedule.refine = lambda: session(many)
     if transport is None:
         schedule.why = f"by default; with a time of {SHORTEST_WITH_TRIAL:g} s or more others are tried"
 
     def result(explained: bool) -> Result:
-        session, core = schedule.session, schedule.session.scene
+        session, core = work.session, work.session.scene
         pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
         schedule.error = math.hypot(*errors(session, len(cameras)))
         stats = _stats(session, schedule, clock.monotonic() - started, core)
         if estimator == "auto":
             stats["why_estimator"] = why_auto(session, cameras)
-        used = replace(settings, transport=schedule.transport)
+        used = replace(settings, transport=work.transport)
         notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(used, stats), *_bundled(used, stats))
         story = _explanation(core, session, scene, used, stats) if explained else None
         return Result(pictures, _patches(core, session, scene), _metadata(scene, used, stats), stats, notes, story)
@@ -160,7 +161,7 @@ def _work(schedule: Schedule, settings: Settings) -> None:
     elif given := settings.rays or settings.directions:
         schedule.by_work(given, work.samples)
     else:
-        schedule.by_quality(_work_of(work, settings, schedule.patches), work.samples)
+        schedule.by_quality(_work_of(work, settings, schedule.at.patches), work.samples)
 
 
 def _work_of(quality: Quality, settings: Settings, patches: int) -> int:
@@ -287,9 +288,9 @@ def _picture(layers: dict[str, FloatArray]) -> dict[str, FloatArray]:
 def _stats(session: _core.Session, schedule: Schedule, seconds: float, core: _core.Scene) -> dict[str, object]:
     return {
         **session.stats,
-        "transport": schedule.transport,
+        "transport": schedule.at.transport,
         "why_transport": schedule.why,
-        f"{schedule.pace.unit}_per_s": schedule.speed,
+        f"{schedule.at.pace.unit}_per_s": schedule.at.speed,
         "time": seconds,
         "error": schedule.error,
         "interrupted": schedule.was_interrupted,

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import lumel
-from lumel import schedule
+from lumel import trial
 
 
 def chosen(monkeypatch: pytest.MonkeyPatch, costs: Mapping[str, float] | None = None, **settings: Any) -> lumel.Result:
     """A short render with trials; of these costs, where they are given."""
-    monkeypatch.setattr(schedule, "SHORTEST_WITH_TRIAL", 0.5)
+    monkeypatch.setattr(trial, "SHORTEST_WITH_TRIAL", 0.5)
     if costs:
-        monkeypatch.setattr(schedule.Schedule, "_try_transport", lambda _self, transport, _seconds: costs[transport])
+        monkeypatch.setattr(trial, "try_transport", lambda _work, transport, _seconds, _stop: costs[transport])
     return lumel.render(lumel.load("lumel:cornell"), time=1.0, size=(32, 24), patches=500, **settings)
 
 

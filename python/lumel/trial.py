@@ -1,0 +1,45 @@
+"""Which transport a scene is best rendered by: each is tried for a while."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .error_bars import errors
+from .work import Work
+
+TRIED = ("rays", "bundles")
+SHORTEST_WITH_TRIAL = 30.0  # s that a render must have to begin with a trial of them
+TRIAL_SHARE, TRIAL_REPLICAS = 0.04, 3  # of the time for the trial of each
+TRIAL_PASSES = 2
+CLEARLY = 0.7  # of the error of `rays` times time: what is less pays
+
+
+def has_time_for_trial(seconds: float | None) -> bool:
+    """Is there a time, and is it long enough to try transports at the start?"""
+    return seconds is not None and seconds >= SHORTEST_WITH_TRIAL
+
+
+def best_transport(work: Work, seconds: float, stop: Callable[[], bool]) -> tuple[str, str]:
+    """Try each transport for so many seconds of the clock; gives the one that brings the least error in the same time, and why."""
+    cost = {transport: try_transport(work, transport, seconds, stop) for transport in TRIED}
+    first, *others = TRIED
+    best = min((t for t in others if cost[t] < CLEARLY * cost[first]), key=cost.__getitem__, default=first)
+    compared = ", ".join(f"{cost[t] / max(cost[best], 1e-30):.2g} times that of {best} with {t}" for t in TRIED if t != best)
+    return best, f"in a trial the squared error at equal time was {compared}"
+
+
+def try_transport(work: Work, transport: str, seconds: float, stop: Callable[[], bool]) -> float:
+    """Squared relative error of the solution that a transport reaches, times the seconds that this took."""
+    work.use(transport)
+    for replica in range(TRIAL_REPLICAS):
+        until = work.clock.now() + seconds / TRIAL_REPLICAS
+        work.begin(work.pilot_rays(seconds))
+        if replica == 0:
+            work.first_step(seconds)
+        work.steps_until(until, stop)
+        work.session.end_replica()
+    work.session.reconstruct()
+    for _ in range(TRIAL_PASSES):
+        work.see(1)
+    solution, _ = errors(work.session, work.cameras)
+    return solution**2 * work.shot
