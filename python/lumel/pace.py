@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
+from . import _core
+
 RAYS_PER_STEP = 1 << 22  # what a step costs for every patch is little then, beside its rays
+RAYS_PER_PATCH_SWEPT = 0.32  # that could be shot while a bundle is cast, for every patch,
+RAYS_PER_EDGE_SWEPT = 0.089  # and for every pixel along the edges of patches: see docs/performance.md
+FRAGMENTS_PER_PATCH = 8.0  # pixels that a patch covers in the mean, where no window is given
 
 
 @dataclass(frozen=True)
@@ -18,12 +24,31 @@ class Pace:
     most_per_replica: int  # above this, more replicas are better: what a replica solved stays as it is
     per_step: int  # between two looks at the clock
     least: int  # of a step
-    rays: float  # shot in the time of a unit, about: to know the size of a solve before anything was timed
+    rays: float  # shot in the time of a unit, about
 
 
 RAYS = Pace("rays", 100_000, 1 << 25, RAYS_PER_STEP, 256, 1.0)
-BUNDLES = Pace("directions", 64, 1 << 14, 128, 1, 10_000.0)
-PLAIN = replace(BUNDLES, per_replica=1024)  # bundles as the paper iterates them: many directions pass before a replica has settled
+
+
+def pace_of(transport: str, scene: _core.Scene, window: int | None, *, plain: bool) -> Pace:
+    """How work with a transport is dealt out. `window`: pixels of an edge of that of bundles (None: chosen by the size of patches);
+    `plain`: are they iterated as the paper does? Then many directions pass before a replica has settled."""
+    if transport != "bundles":
+        return RAYS
+    bundles = Pace("directions", 64, 1 << 14, 128, 1, rays_of_direction(scene, window))
+    return replace(bundles, per_replica=1024) if plain else bundles
+
+
+def rays_of_direction(scene: _core.Scene, window: int | None) -> float:
+    """Rays that could be shot in the time of one direction of bundles, the same on every machine.
+
+    A sweep makes every patch ready, and then goes from row to row along the edges of patches, which are sqrt(patches fragments) pixels
+    long, up to a factor. A fragment is a patch on the line of a pixel; in the mean over all directions a patch covers half of its area.
+    """
+    fragments = FRAGMENTS_PER_PATCH * scene.patches
+    if window is not None:
+        fragments = scene.total_area / 2 * ((window - 2) / (2 * scene.radius)) ** 2
+    return RAYS_PER_PATCH_SWEPT * scene.patches + RAYS_PER_EDGE_SWEPT * math.sqrt(scene.patches * fragments)
 
 
 class Clock(Protocol):

@@ -126,7 +126,7 @@ def render(
     # Bundles, which may be chosen in a trial, know even patches alone.
     is_tried = settings.is_free and has_time_for_trial(time)
     first = session(many if settings.wants_adaptive and not is_tried else 0)
-    work = Work(first, len(cameras), sum(c.width * c.height for c in cameras), settings.first_transport, iteration == "plain")
+    work = Work(first, len(cameras), sum(c.width * c.height for c in cameras), settings.first_transport, iteration == "plain", window)
     schedule = Schedule(work, is_tried, started, progress, interrupted or (lambda: False))
     if settings.wants_adaptive:
         schedule.refine = lambda: session(many)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from . import _core
-from .pace import BUNDLES, PLAIN, RAYS, Clock, Pace, WallClock
+from .pace import Clock, Pace, WallClock, pace_of
 
 REPLICAS = 16  # independent solves that error bars rest on
 FEWEST_REPLICAS = 4
@@ -28,6 +28,7 @@ class Work:
     pixels: int  # of all cameras
     transport: str
     plain: bool  # are bundles iterated plainly?
+    window: int | None = None  # of bundles, pixels of an edge
     clock: Clock = field(default_factory=WallClock)  # of the budget
     shot: float = field(default=0.0, init=False)  # seconds of that clock spent shooting
     shooting_s: float = field(default=0.0, init=False)  # the same by the wall
@@ -38,7 +39,7 @@ class Work:
     @property
     def pace(self) -> Pace:
         """How work is dealt out."""
-        return RAYS if self.transport != "bundles" else PLAIN if self.plain else BUNDLES
+        return pace_of(self.transport, self.session.scene, self.window, plain=self.plain)
 
     @property
     def patches(self) -> int:
