@@ -1,12 +1,17 @@
-"""What the error bars of the pictures come to."""
+"""How far off the pictures are: what their error bars come to, and how much they still change."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _core
+from .scene import FloatArray
+
+Doubles = npt.NDArray[np.float64]
 
 
 def errors(session: _core.Session, cameras: int) -> tuple[float, float]:
@@ -14,8 +19,7 @@ def errors(session: _core.Session, cameras: int) -> tuple[float, float]:
     parts = []
     for camera in range(cameras):
         layers = session.layers(camera)
-        image = sum(layers[name].astype(np.float64) for name in ("emission", "direct", "indirect.diffuse", "indirect.specular"))
-        scale = image**2 + 0.01 * np.mean(image) ** 2
+        scale = _scale(_picture(layers))
         if not np.any(scale > 0):
             return 0.0, 0.0
         solution = layers["stderr.solution"].astype(np.float64) ** 2
@@ -23,3 +27,28 @@ def errors(session: _core.Session, cameras: int) -> tuple[float, float]:
         parts.append((np.mean(solution / scale), np.mean(np.maximum(total - solution, 0) / scale)))
     solved, seen = np.mean(parts, axis=0)
     return math.sqrt(solved), math.sqrt(seen)
+
+
+def pictures(session: _core.Session, cameras: int) -> list[Doubles]:
+    """The pictures of all `cameras`, each (height, width, 3), W/(m2 sr)."""
+    return [_picture(session.layers(camera)) for camera in range(cameras)]
+
+
+def squared_difference(before: Sequence[Doubles], after: Sequence[Doubles]) -> float:
+    """Mean of (B-A)^2 / (A^2 + e), e = 0.01 mean(A)^2, over all pictures B and A, `before` and `after`."""
+    parts = []
+    for b, a in zip(before, after, strict=True):
+        scale = _scale(a)
+        if not np.any(scale > 0):
+            return 0.0
+        parts.append(np.mean((b - a) ** 2 / scale))
+    return float(np.mean(parts))
+
+
+def _picture(layers: dict[str, FloatArray]) -> Doubles:
+    names = ("emission", "direct", "indirect.diffuse", "indirect.specular")
+    return np.asarray(np.sum([layers[name] for name in names], axis=0, dtype=np.float64))
+
+
+def _scale(picture: Doubles) -> Doubles:
+    return np.asarray(picture**2 + 0.01 * np.mean(picture) ** 2)

@@ -10,6 +10,7 @@ from typing import Literal, Protocol
 from . import _core
 
 RAYS_PER_STEP = 1 << 22  # what a step costs for every patch is little then, beside its rays
+RAYS_PER_SAMPLE = 3.5  # of the eye: rays that could be shot in its time, see docs/performance.md
 RAYS_PER_PATCH_SWEPT = 0.32  # that could be shot while a bundle is cast, for every patch,
 RAYS_PER_EDGE_SWEPT = 0.089  # and for every pixel along the edges of patches: see docs/performance.md
 FRAGMENTS_PER_PATCH = 8.0  # pixels that a patch covers in the mean, where no window is given
@@ -40,15 +41,20 @@ def pace_of(transport: str, scene: _core.Scene, window: int | None, *, plain: bo
 
 
 def rays_of_direction(scene: _core.Scene, window: int | None) -> float:
-    """Rays that could be shot in the time of one direction of bundles, the same on every machine.
+    """Rays that could be shot in the time of one direction of bundles, the same on every machine; right within some 30 %.
 
     A sweep makes every patch ready, and then goes from row to row along the edges of patches, which are sqrt(patches fragments) pixels
-    long, up to a factor. A fragment is a patch on the line of a pixel; in the mean over all directions a patch covers half of its area.
+    long, up to a factor.
     """
-    fragments = FRAGMENTS_PER_PATCH * scene.patches
-    if window is not None:
-        fragments = scene.total_area / 2 * ((window - 2) / (2 * scene.radius)) ** 2
-    return RAYS_PER_PATCH_SWEPT * scene.patches + RAYS_PER_EDGE_SWEPT * math.sqrt(scene.patches * fragments)
+    edges = math.sqrt(scene.patches * fragments_of_direction(scene, window))
+    return RAYS_PER_PATCH_SWEPT * scene.patches + RAYS_PER_EDGE_SWEPT * edges
+
+
+def fragments_of_direction(scene: _core.Scene, window: int | None) -> float:
+    """Pixels that all patches cover, in the mean over all directions: of each half of its area."""
+    if window is None:
+        return FRAGMENTS_PER_PATCH * scene.patches
+    return scene.total_area / 2 * ((window - 2) / (2 * scene.radius)) ** 2  # the ball around the scene fills all but 2 pixels of an edge
 
 
 class Clock(Protocol):

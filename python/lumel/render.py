@@ -17,11 +17,12 @@ from .error_bars import errors
 from .errors import SettingsError
 from .explanation import Explanation, explain, why_auto
 from .memory import expected
+from .pace import RAYS_PER_SAMPLE, WorkClock, pace_of
 from .progress import Progress
 from .result import Patches, Result
 from .scene import FloatArray, Scene
 from .schedule import Schedule
-from .settings import MOST_GATHERING, QUALITIES, Quality, Settings
+from .settings import MOST_GATHERING, QUALITIES, Settings
 from .trial import SHORTEST_WITH_TRIAL, has_time_for_trial
 from .work import Work
 
@@ -123,15 +124,17 @@ def render(
             isa=isa,
         )
 
+    pixels = sum(c.width * c.height for c in cameras)
+    adaptive = settings.wants_adaptive
+    seconds = _seconds(settings, even, many if adaptive else even.patches, pixels)
     # Bundles, which may be chosen in a trial, know even patches alone.
-    is_tried = settings.is_free and has_time_for_trial(time)
-    first = session(many if settings.wants_adaptive and not is_tried else 0)
-    work = Work(first, len(cameras), sum(c.width * c.height for c in cameras), settings.first_transport, iteration == "plain", window)
+    is_tried = settings.is_free and has_time_for_trial(seconds)
+    first = session(many if adaptive and not is_tried else 0)
+    work = Work(first, len(cameras), pixels, settings.first_transport, iteration == "plain", window)
     schedule = Schedule(work, is_tried, started, progress, interrupted or (lambda: False))
-    if settings.wants_adaptive:
+    if adaptive:
         schedule.refine = lambda: session(many)
-    if transport is None:
-        schedule.why = f"by default; with a time of {SHORTEST_WITH_TRIAL:g} s or more others are tried"
+    schedule.why = _why_first(settings, seconds)
 
     def result(explained: bool) -> Result:
         session, core = work.session, work.session.scene
@@ -147,26 +150,42 @@ def render(
 
     if draft:
         schedule.draft = lambda: draft(result(explained=False))
-    _work(schedule, settings)
+    _work(schedule, settings, seconds)
     return result(explain)
 
 
-def _work(schedule: Schedule, settings: Settings) -> None:
+def _work(schedule: Schedule, settings: Settings, seconds: float | None) -> None:
     """Do what the budget asks for; with none, what the quality does."""
-    work = QUALITIES[settings.quality]
     if settings.time is not None:
         schedule.by_time(settings.time)
     elif settings.error is not None:
         schedule.by_error(settings.error)
     elif given := settings.rays or settings.directions:
-        schedule.by_work(given, work.samples)
+        schedule.by_work(given, QUALITIES[settings.quality].samples)
     else:
-        schedule.by_quality(_work_of(work, settings, schedule.at.patches), work.samples)
+        assert seconds is not None
+        schedule.by_quality(seconds)
 
 
-def _work_of(quality: Quality, settings: Settings, patches: int) -> int:
-    """Rays or directions of a quality."""
-    return quality.directions if settings.first_transport == "bundles" else max(quality.rays, quality.rays_per_patch * patches)
+def _seconds(settings: Settings, scene: _core.Scene, patches: int, pixels: int) -> float | None:
+    """How long the budget is on its clock: that of the machine, or by a quality that of the work; None where work or an error is given."""
+    if settings.time is not None or settings.error or settings.rays or settings.directions:
+        return settings.time
+    quality = QUALITIES[settings.quality]
+    pace = pace_of(settings.first_transport, scene, settings.window, plain=settings.iteration == "plain")
+    units = quality.directions if pace.unit == "directions" else max(quality.rays, quality.rays_per_patch * patches)
+    return (units * pace.rays + RAYS_PER_SAMPLE * quality.samples * pixels) / WorkClock.SPEED
+
+
+def _why_first(settings: Settings, seconds: float | None) -> str:
+    """Why a render begins with the transport that it begins with."""
+    if settings.transport is not None:
+        return "as asked for"
+    if not settings.is_free:
+        return "by default, since bundles have no " + ("defensive rays" if settings.defensive is not None else "weighed diffuse light")
+    if seconds is None:
+        return "by default, since " + ("an error" if settings.error else "its work") + " is given"
+    return f"by default, since {seconds:.3g} s are less than the {SHORTEST_WITH_TRIAL:g} s from which on others are tried"
 
 
 def describe(scene: Scene, patches: int | None = None) -> dict[str, Any]:

@@ -66,10 +66,10 @@ class Schedule:
         self._begun = self.started
         self._divide(seconds)
 
-    def by_quality(self, work: int, samples: int) -> None:
-        """Do as much as it takes to shoot `work` rays, or cast as many bundles, and to see with `samples` samples a pixel."""
+    def by_quality(self, seconds: float) -> None:
+        """Do what takes so many seconds on the clock that counts work."""
         self.at.clock = WorkClock()
-        self._divide((work * self.at.pace.rays + self.at.rays_of_eye(samples)) / WorkClock.SPEED)
+        self._divide(seconds)
 
     def _divide(self, seconds: float) -> None:
         """Spend `seconds` of the clock on shooting and seeing. The share of each follows from what it brought in a first look."""

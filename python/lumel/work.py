@@ -8,14 +8,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from . import _core
-from .pace import Clock, Pace, WallClock, pace_of
+from .pace import RAYS_PER_SAMPLE, Clock, Pace, WallClock, pace_of
 
 REPLICAS = 16  # independent solves that error bars rest on
 FEWEST_REPLICAS = 4
 LARGEST_SOLVE = (1 << 21, 4)  # rays of the solve of a replica, or rays a patch if that is more
 LARGEST_PILOT = 1 << 19  # rays of a first step, to know how fast work is
 RAYS_PER_PATCH = 8  # of a replica: below this, fewer replicas are better
-RAYS_PER_SAMPLE = 3.5  # of the eye: rays that could be shot in its time, see docs/performance.md
 RAYS_PER_PATCH_LIT = 8  # the same of the first shot of a replica, for every patch
 
 
@@ -124,15 +123,11 @@ class Work:
         """One pass of `samples` samples a pixel for every camera; says how many rays take as long."""
         for camera in range(self.cameras):
             self.session.eye_pass(camera, samples)
-        return self.rays_of_eye(samples)
+        return RAYS_PER_SAMPLE * samples * self.pixels
 
     def timed_see(self, samples: int) -> float:
         """The same; gives the seconds that it took."""
         return self.timed(lambda: self.see(samples))
-
-    def rays_of_eye(self, samples: int) -> float:
-        """Rays that could be shot in the time of `samples` samples a pixel."""
-        return RAYS_PER_SAMPLE * samples * self.pixels
 
     # Sizes
 
