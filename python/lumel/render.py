@@ -66,7 +66,8 @@ def render(
     """Render `scene` by shooting light.
 
     transport: `rays` (shoot from a solved state), `walk` (random walks from the lights) or `bundles` (the whole scene at once along one
-    direction after the other); None: `rays`, or `bundles` where a time of 30 s or more is given and a trial finds them better.
+    direction after the other); None: `rays`, or `bundles` where a trial finds
+    them better, which a time of 30 s or a quality that takes as long at 5 M rays/s begins with.
     areas: `patches` or `pixels`, where the light in gloss is measured. estimator: `auto`,
     `weighted`, `regression` or `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene and
     estimator). gather: gathering rays for every glossy area in view per 2^20 shooting rays or 1024 directions, under one
