@@ -1,9 +1,9 @@
 """How far the nominal cost of a direction of bundles, in rays, is from that by processor time, as a Markdown table.
 
-python benchmarks/directions.py [SCENE ...]
+python benchmarks/directions.py [--matt] [SCENE ...]
 
 Steps of bundles and of rays take turns in one thread, so a busy machine hardly shows. Windows are None (chosen by the size of patches), 512
-and 1024. SCENE is a reference scene, a generated one, or a file.
+and 1024. SCENE is a reference scene, a generated one, or a file; `--matt` takes the gloss away.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from scenes import NAMES, machine, scene_file
+from scenes import NAMES, machine, matt, scene_file
 
 import lumel
 from lumel import _core
@@ -24,7 +24,7 @@ from lumel.report.areas import Subject
 from lumel.settings import GATHER, MOST_GATHERING
 
 WINDOWS = (None, 512, 1024)
-SOLVE, RAYS, DIRECTIONS, ROUNDS = 1 << 18, 1 << 19, 64, 3
+SOLVE, RAYS, DIRECTIONS, ROUNDS = 1 << 18, 1 << 21, 64, 3
 
 
 def seconds(work: Callable[[], None]) -> float:
@@ -49,13 +49,16 @@ def measured(session: _core.Session) -> tuple[float, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", default=NAMES, metavar="SCENE")
-    names = parser.parse_args().names
+    parser.add_argument("--matt", action="store_true")
+    arguments = parser.parse_args()
+    kind = " matt" if arguments.matt else ""
     print(machine(), end="\n\n")
     print("| scene | triangles | patches | window | ms a direction | ns a ray | rays a direction | nominal | off by |")
     print("|---|---|---|---|---|---|---|---|---|")
     with TemporaryDirectory() as out:
-        for name in names:
-            subject = Subject(lumel.load(scene_file(name, Path(out))), threads=1)
+        for name in arguments.names:
+            scene = lumel.load(scene_file(name, Path(out)))
+            subject = Subject(matt(scene) if arguments.matt else scene, threads=1)
             core = subject.core
             for window in WINDOWS:
                 session = subject.session(1, window=window or 0, gather=GATHER, most_gathering=MOST_GATHERING)
@@ -63,7 +66,9 @@ def main() -> None:
                 nominal = rays_of_direction(core, window)
                 size = f"{core.triangles:,} | {core.patches:,} | {window or 'default'}"
                 times = f"{direction * 1e3:.2f} | {ray * 1e9:.0f} | {direction / ray:,.0f}"
-                print(f"| `{Path(name).stem}` | {size} | {times} | {nominal:,.0f} | {nominal * ray / direction - 1:+.0%} |", flush=True)
+                print(
+                    f"| `{Path(name).stem}`{kind} | {size} | {times} | {nominal:,.0f} | {nominal * ray / direction - 1:+.0%} |", flush=True
+                )
 
 
 if __name__ == "__main__":

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 from generated import SCENES, write
 
 from lumel.machine import load, processors
+from lumel.scene import Scene
 
 NAMES = ("bust", "cornell_glossy", "courtyard", "gallery", "spotlit")
 
@@ -25,6 +27,11 @@ def scene_file(name: str, out: Path) -> Path:
     if name in SCENES:
         return write(name, out)
     return Path(name) if name.endswith(".xml") else folder() / f"{name}.xml"
+
+
+def matt(scene: Scene) -> Scene:
+    """The scene without its gloss."""
+    return replace(scene, materials={name: replace(m, specular=(0.0, 0.0, 0.0)) for name, m in scene.materials.items()})
 
 
 def machine() -> str:

@@ -10,10 +10,9 @@ cancels. `--matt` takes the gloss away; the reference is then made here, by rays
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 
 import numpy as np
-from scenes import NAMES, folder, machine
+from scenes import NAMES, folder, machine, matt
 
 import lumel
 from lumel.core import to_core
@@ -28,11 +27,6 @@ from lumel.trial import SHORTEST_WITH_TRIAL, TRIAL_SHARE, TRIED, try_transport
 from lumel.work import Work
 
 REPLICAS, PASSES, SAMPLES = 8, 4, 16
-
-
-def matt(scene: Scene) -> Scene:
-    """The scene without its gloss."""
-    return replace(scene, materials={name: replace(m, specular=(0.0, 0.0, 0.0)) for name, m in scene.materials.items()})
 
 
 def work_on(scene: Scene, transport: str) -> Work:

@@ -11,8 +11,8 @@ from . import _core
 
 RAYS_PER_STEP = 1 << 22  # what a step costs for every patch is little then, beside its rays
 RAYS_PER_SAMPLE = 3.5  # of the eye: rays that could be shot in its time, see docs/performance.md
-RAYS_PER_PATCH_SWEPT = 0.32  # that could be shot while a bundle is cast, for every patch,
-RAYS_PER_EDGE_SWEPT = 0.089  # and for every pixel along the edges of patches: see docs/performance.md
+RAYS_PER_PATCH_SWEPT = 0.43  # that could be shot while a bundle is cast, for every patch,
+RAYS_PER_EDGE_SWEPT = 0.12  # and for every pixel along the edges of patches: see docs/performance.md
 FRAGMENTS_PER_PATCH = 8.0  # pixels that a patch covers in the mean, where no window is given
 
 

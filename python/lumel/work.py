@@ -15,7 +15,7 @@ FEWEST_REPLICAS = 4
 LARGEST_SOLVE = (1 << 21, 4)  # rays of the solve of a replica, or rays a patch if that is more
 LARGEST_PILOT = 1 << 19  # rays of a first step, to know how fast work is
 RAYS_PER_PATCH = 8  # of a replica: below this, fewer replicas are better
-RAYS_PER_PATCH_LIT = 8  # the same of the first shot of a replica, for every patch
+RAYS_PER_PATCH_LIT = 8  # that could be shot in the time of the first shot of a replica, for every patch
 
 
 @dataclass
