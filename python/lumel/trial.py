@@ -10,7 +10,7 @@ from .work import Work
 TRIED = ("rays", "bundles")
 SHORTEST_WITH_TRIAL = 30.0  # s on the clock of the budget that a render must have to begin with a trial of them
 TRIAL_SHARE, TRIAL_REPLICAS = 0.02, 3  # of the time for the trial of each
-CLEARLY = 0.7  # of the error of `rays` times time: what is less pays
+CLEARLY = 0.5  # of the error of `rays` times time: what is less pays, though patches are even and what all pictures have wrong is not seen
 
 
 def has_time_for_trial(seconds: float | None) -> bool:
@@ -32,7 +32,7 @@ def try_transport(work: Work, transport: str, seconds: float, stop: Callable[[],
     """Squared relative error of the solution that a transport reaches, times the seconds that this took.
 
     The error is what a last replica changes in the pictures. Error bars take patches as independent, but those that a bundle meets are
-    not: smoothing makes the bars smaller, and the error stays.
+    not: smoothing makes the bars smaller, and the error stays (docs/results.md).
     """
     work.use(transport)
     seen = []

@@ -58,7 +58,7 @@ def test_explain_tells_what_the_lines_met(tmp_path: Path) -> None:
         "parity violations per million lines",
         "100.000% arrived",
     ):
-        assert said in ran.out.split("bundles: ")[1]
+        assert said in ran.out.split("\nbundles: ")[1]
 
 
 def test_plain_iteration_warns_where_its_variance_has_no_bound() -> None:
