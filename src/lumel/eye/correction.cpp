@@ -20,7 +20,8 @@ constexpr float kMostBeyond = 2.5f;  // root mean squares that a pixel may diffe
 constexpr float kSure = 4;          // but not by so many standard errors
 constexpr float kPassesToBeSure = 4;  // a few passes may agree by chance
 constexpr float kCost = 1;       // of a gathering ray, in eye samples without
-constexpr float kChance = 1;     // standard errors that chance may explain
+constexpr float kChance = 1;     // standard errors that chance may explain,
+constexpr float kMostChance = 2; // and of what neighbours have in common
 
 /// Do two pixels see surfaces whose light is about equally well reconstructed?
 bool alike(const Film& film, size_t pixel, size_t other) {
@@ -47,10 +48,10 @@ Difference difference(const Gathered& gathered, float light) {
 /// lum of a variance, as if its channels were one.
 float noise(Rgb variance) { return sqr(lum(square_root(variance))); }
 
-/// Share of a difference that is worth adding: `square` is the mean of its squares over `count` pixels, `variance` what noise makes of it.
-float share(float square, float variance, float count, uint32_t passes) {
+/// Share of a difference that is worth adding: `variance` is what noise makes of its square.
+float share(float square, float variance, uint32_t passes) {
     if (!(square > 0)) return 0;
-    const float chance = kChance * std::sqrt(2 / count * (1 + 1 / static_cast<float>(passes - 1)));
+    const float chance = kChance * std::sqrt(2 + 2 / static_cast<float>(passes - 1));
     const float error = std::max(0.0f, square - variance * (1 + chance));
     return error / (error + variance);
 }
@@ -60,28 +61,70 @@ struct Part {
     float share = 0;
 };
 
+/// Differences of a pixel and those around that are like it, at their places.
+struct Around {
+    static constexpr size_t kSide = 2 * kReach + 1;
+    std::array<const Difference*, kSide * kSide> at{};  // by rows, null where the pixel is not alike
+
+    template <class Body>
+    void for_each(const Body& body) const {
+        for (const Difference* d : at)
+            if (d) body(*d);
+    }
+    /// Square of the mean, from what every other pixel and the pixels between them agree on; of a pixel alone its square.
+    float square_of_mean() const {
+        std::array<float, 2> sum{}, count{};
+        for (size_t i = 0; i < at.size(); ++i)
+            if (at[i]) sum[i % 2] += lum(at[i]->mean), ++count[i % 2];
+        if (!(count[0] > 0) || !(count[1] > 0)) return sqr((sum[0] + sum[1]) / (count[0] + count[1]));
+        return std::max(0.0f, sum[0] / count[0] * (sum[1] / count[1]));
+    }
+    /// The larger of the mean products of what neighbours in a row, and in a column, have beyond `mean`; without the pixel itself. Noise is
+    /// independent from pixel to pixel, so only what is truly there remains. Gives its standard error as well, for noise of variance
+    /// `noise`.
+    std::pair<float, float> common(Rgb mean, float noise) const {
+        constexpr size_t kOwn = (kSide * kSide) / 2;
+        std::pair<float, float> most{0, 0};
+        for (const size_t step : {size_t{1}, kSide}) {
+            float sum = 0, pairs = 0;
+            for (size_t i = 0; i + step < at.size(); ++i) {
+                const bool wraps = step == 1 && i % kSide == kSide - 1;
+                if (wraps || !at[i] || !at[i + step] || i == kOwn || i + step == kOwn) continue;
+                sum += lum(at[i]->mean - mean) * lum(at[i + step]->mean - mean), ++pairs;
+            }
+            if (pairs > 0 && sum / pairs > most.first) most = {sum / pairs, noise / std::sqrt(pairs)};
+        }
+        return most;
+    }
+};
+
 /// The correction of a pixel from its own difference and those of the pixels like it, itself among them. `usual`: variance of
 /// differences over the square of the light, in a wider neighbourhood: rare bright rays may have missed a small one.
-Part part(const Difference& own, std::span<const Difference> around, float usual, uint32_t passes) {
-    const auto count = static_cast<float>(around.size());
+Part part(const Difference& own, const Around& around, float usual, uint32_t passes) {
+    float count = 0;
     Rgb mean, variance;
     float near = 0, light = 0, samples = 0, beyond = 0;
-    for (const Difference& d : around) mean += d.mean, variance += d.variance, near += d.near, light += sqr(d.light), samples += d.samples;
+    around.for_each([&](const Difference& d) {
+        mean += d.mean, variance += d.variance, near += d.near, light += sqr(d.light), samples += d.samples, ++count;
+    });
     mean *= 1 / count, variance *= 1 / count, near /= count, light /= count, samples /= count;
     if (!(near > kNear)) return {};
     // What it has beyond them is judged by what the others have: a rare bright ray is no witness for itself, unless it comes again and
     // again.
     const float others = std::max(1.0f, count - 1);
     const Rgb mean_of_others = (mean * count - own.mean) / others, differs = own.mean - mean;
-    for (const Difference& d : around) beyond += sqr(lum(d.mean - mean_of_others)) / others;
+    around.for_each([&](const Difference& d) { beyond += sqr(lum(d.mean - mean_of_others)) / others; });
     beyond = std::max(0.0f, beyond - sqr(lum(own.mean - mean_of_others)) / others);
     const float trust = std::min(1.0f, near / kNear - 1) * std::min(1.0f, samples / kEnough),
                 of_one = std::max(noise(variance), usual * light), own_noise = std::max(noise(own.variance), of_one);
     const float size = std::abs(lum(differs)), usual_size = kMostBeyond * std::sqrt(beyond);
     const bool is_sure = own.passes >= kPassesToBeSure && sqr(size) > sqr(kSure) * own_noise;
-    const float smooth = trust * share(sqr(lum(mean)), of_one / count, 1, passes),
-                single = trust * (is_sure ? share(sqr(size), own_noise, 1, passes) : share(beyond, of_one, count, passes));
+    const auto [common, error] = around.common(mean_of_others, of_one);
+    const float real = std::max(0.0f, common - kMostChance * error), noise_of_one = std::max(of_one, beyond - real);
+    const float single = trust * (is_sure ? share(sqr(size), own_noise, passes) : real > 0 ? real / (real + noise_of_one) : 0.0f);
     const float limit = is_sure || size <= usual_size ? 1.0f : usual_size / size;
+    // Where the difference from the mean is added, the mean must be as well.
+    const float smooth = std::max(trust * share(around.square_of_mean(), of_one / count, passes), single * limit);
     return {mean * smooth + differs * (single * limit), variance * (sqr(smooth) / count + sqr(single)), std::max(smooth, single)};
 }
 
@@ -103,7 +146,7 @@ struct Differences {
         for (int j = y - reach; j <= y + reach; j += step)
             for (int i = x - reach; i <= x + reach; i += step)
                 if (i >= 0 && j >= 0 && i < static_cast<int>(film.width) && j < static_cast<int>(film.height))
-                    body(size_t{film.width} * static_cast<size_t>(j) + static_cast<size_t>(i));
+                    body(size_t{film.width} * static_cast<size_t>(j) + static_cast<size_t>(i), i, j);
     }
     /// Rays that were gathered here and in the pixels around, and whether any met something near.
     struct Probe {
@@ -112,20 +155,21 @@ struct Differences {
     };
     Probe probe(int x, int y) const {
         Probe p;
-        for_each_around(x, y, kReach, 1, [&](size_t other) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
+        for_each_around(x, y, kReach, 1,
+                        [&](size_t other, int, int) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
         return p;
     }
     Part at(int x, int y) const {
         const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
-        std::array<Difference, (2 * kReach + 1) * (2 * kReach + 1)> around;
-        size_t count = 0;
-        for_each_around(x, y, kReach, 1, [&](size_t other) {
-            if (other == pixel || alike(film, pixel, other)) around[count++] = all[other];
+        Around around;
+        for_each_around(x, y, kReach, 1, [&](size_t other, int i, int j) {
+            if (other != pixel && !alike(film, pixel, other)) return;
+            around.at[static_cast<size_t>(j - y + kReach) * Around::kSide + static_cast<size_t>(i - x + kReach)] = &all[other];
         });
         float variance = 0, light = 0;
         for_each_around(x, y, kWide, kStride,
-                        [&](size_t other) { variance += noise(all[other].variance), light += sqr(all[other].light); });
-        return part(all[pixel], std::span(around).first(count), light > 0 ? variance / light : 0, film.passes);
+                        [&](size_t other, int, int) { variance += noise(all[other].variance), light += sqr(all[other].light); });
+        return part(all[pixel], around, light > 0 ? variance / light : 0, film.passes);
     }
 };
 
