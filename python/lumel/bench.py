@@ -65,6 +65,7 @@ def run(
         "shooting_rays_per_s": rays / step,
         "shooting_over_embree": rays / step / (traced / packets),
         "shooting_over_embree_single": rays / step / (traced / single),
+        "shooting_over_ordered": rays / step / (traced / ordered),
         "bundle_transfers_per_s": pairs / sweep,
         "bundles_over_embree": pairs / sweep / (traced / packets),
         "bundles_over_embree_single": pairs / sweep / (traced / single),

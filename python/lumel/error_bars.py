@@ -15,16 +15,19 @@ Doubles = npt.NDArray[np.float64]
 
 
 def errors(session: _core.Session, cameras: int) -> tuple[float, float]:
-    """Relative error sqrt(mean(stderr^2 / (I^2 + e))), e = 0.01 mean(I)^2, over all `cameras`: of the solution and of the eye."""
+    """Relative error sqrt(mean(stderr^2 / (I^2 + e))), e = 0.01 mean(I)^2, over all `cameras` that see light: of the solution and of
+    the eye."""
     parts = []
     for camera in range(cameras):
         layers = session.layers(camera)
         scale = _scale(_picture(layers))
         if not np.any(scale > 0):
-            return 0.0, 0.0
+            continue
         solution = layers["stderr.solution"].astype(np.float64) ** 2
         total = layers["stderr"].astype(np.float64) ** 2
         parts.append((np.mean(solution / scale), np.mean(np.maximum(total - solution, 0) / scale)))
+    if not parts:
+        return 0.0, 0.0
     solved, seen = np.mean(parts, axis=0)
     return math.sqrt(solved), math.sqrt(seen)
 
@@ -35,14 +38,14 @@ def pictures(session: _core.Session, cameras: int) -> list[Doubles]:
 
 
 def squared_difference(before: Sequence[Doubles], after: Sequence[Doubles]) -> float:
-    """Mean of (B-A)^2 / (A^2 + e), e = 0.01 mean(A)^2, over all pictures B and A, `before` and `after`."""
+    """Mean of (B-A)^2 / (A^2 + e), e = 0.01 mean(A)^2, over all pictures B and A, `before` and `after`, that are not black; infinite where
+    all are."""
     parts = []
     for b, a in zip(before, after, strict=True):
         scale = _scale(a)
-        if not np.any(scale > 0):
-            return 0.0
-        parts.append(np.mean((b - a) ** 2 / scale))
-    return float(np.mean(parts))
+        if np.any(scale > 0):
+            parts.append(np.mean((b - a) ** 2 / scale))
+    return float(np.mean(parts)) if parts else math.inf
 
 
 def _picture(layers: dict[str, FloatArray]) -> Doubles:

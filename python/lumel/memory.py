@@ -7,12 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from .core import wanted_patches
+from .pace import RAYS_PER_STEP
 from .scene import Mesh, Scene
 from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, Settings
+from .work import FEWEST_REPLICAS
 
 PROGRAM = 65 << 20  # bytes of Python, numpy and the core
 BYTES_PER_TRIANGLE = 235  # those of the reader among them
 BYTES_PER_GLOSSY_PATCH, BYTES_PER_GLOSSY_PATCH_AND_CAMERA = 2000, 380
+BYTES_PER_RAY = 45  # of a step
 BYTES_PER_PATCH_AND_BUNDLE, LEAST_BUNDLES, MOST_BUNDLES, BUNDLES = 28, 8, 64, 256 << 20  # of a batch, as in the core; bytes of all
 
 
@@ -28,12 +31,15 @@ def expected(scene: Scene, settings: Settings) -> int:
         by_area = patches > 1.1 * triangles
         glossy_patches += (patches - triangles) * (_area(glossy) / _area(scene.meshes) if by_area else 1.0)
     bundle = patches * BYTES_PER_PATCH_AND_BUNDLE
+    may_be_bundles = settings.first_transport == "bundles" or (settings.is_free and settings.is_long)
+    step = RAYS_PER_STEP if settings.rays is None else min(RAYS_PER_STEP, settings.rays // FEWEST_REPLICAS)
     return int(
         PROGRAM
+        + step * BYTES_PER_RAY
         + triangles * BYTES_PER_TRIANGLE
         + patches * BYTES_PER_PATCH
         + glossy_patches * (BYTES_PER_GLOSSY_PATCH + len(cameras) * BYTES_PER_GLOSSY_PATCH_AND_CAMERA)
-        + (max(min(BUNDLES, MOST_BUNDLES * bundle), LEAST_BUNDLES * bundle) if settings.first_transport == "bundles" else 0)
+        + (max(min(BUNDLES, MOST_BUNDLES * bundle), LEAST_BUNDLES * bundle) if may_be_bundles else 0)
         + sum(camera.width * camera.height for camera in cameras) * BYTES_PER_PIXEL
     )
 

@@ -66,8 +66,8 @@ def render(
     """Render `scene` by shooting light.
 
     transport: `rays` (shoot from a solved state), `walk` (random walks from the lights) or `bundles` (the whole scene at once along one
-    direction after the other); None: `rays`, or `bundles` where a trial finds
-    them better, which a time of 30 s or a quality that takes as long at 5 M rays/s begins with.
+    direction after the other); None: `rays`, or `bundles` where a trial finds them better, which a time of 30 s or a quality that takes
+    as long at 5 M rays/s begins with.
     areas: `patches` or `pixels`, where the light in gloss is measured. estimator: `auto`,
     `weighted`, `regression` or `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene and
     estimator). gather: gathering rays for every glossy area in view per 2^20 shooting rays or 1024 directions, under one
@@ -85,8 +85,8 @@ def render(
     that rays are traced with, `avx2` or `avx512` (None: the best that there is). explain: the result tells
     where the light went and what was made of it. progress is called now and then; draft is given a first result after a second or
     so, then better ones, each after twice the time; interrupted is asked between steps, and True
-    ends the work early with a valid result. started: time.monotonic() of when the files were read. Equal seed and rays or
-    directions give equal bytes for any number of threads, and with an isa on any machine that has it.
+    ends the work early with a valid result. started: time.monotonic() of when the files were read. Equal seed and rays,
+    directions or quality give equal bytes for any number of threads, and with an isa on any machine that has it.
 
     Raises SettingsError or SceneError with all that is wrong.
     """
@@ -127,11 +127,12 @@ def render(
 
     pixels = sum(c.width * c.height for c in cameras)
     adaptive = settings.wants_adaptive
-    seconds = _seconds(settings, even, many if adaptive else even.patches, pixels)
+    seconds = _seconds(settings, even, max(even.patches, many) if adaptive else even.patches, pixels)
     # Bundles, which may be chosen in a trial, know even patches alone.
     is_tried = settings.is_free and has_time_for_trial(seconds)
-    first = session(many if adaptive and not is_tried else 0)
-    work = Work(first, len(cameras), pixels, settings.first_transport, iteration == "plain", window)
+    work = Work(
+        session(many if adaptive and not is_tried else 0), len(cameras), pixels, settings.first_transport, iteration == "plain", window
+    )
     schedule = Schedule(work, is_tried, started, progress, interrupted or (lambda: False))
     if adaptive:
         schedule.refine = lambda: session(many)
@@ -147,7 +148,7 @@ def render(
         used = replace(settings, transport=work.transport)
         notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(used, stats), *_bundled(used, stats))
         story = _explanation(core, session, scene, used, stats) if explained else None
-        return Result(pictures, _patches(core, session, scene), _metadata(scene, used, stats), stats, notes, story)
+        return Result(pictures, _patches(core, session, scene), _metadata(scene, settings, stats), stats, notes, story)
 
     if draft:
         schedule.draft = lambda: draft(result(explained=False))
@@ -183,10 +184,12 @@ def _why_first(settings: Settings, seconds: float | None) -> str:
     if settings.transport is not None:
         return "as asked for"
     if not settings.is_free:
-        return "by default, since bundles have no " + ("defensive rays" if settings.defensive is not None else "weighed diffuse light")
+        only = {"defensive rays": settings.defensive is not None, "weighed diffuse light": settings.weight_diffuse is not None}
+        return "by default, since bundles have no " + next((name for name, asked in only.items() if asked), "adaptive patches")
     if seconds is None:
         return "by default, since " + ("an error" if settings.error else "its work") + " is given"
-    return f"by default, since {seconds:.3g} s are less than the {SHORTEST_WITH_TRIAL:g} s from which on others are tried"
+    work = "" if settings.time is not None else f" of work at {WorkClock.SPEED / 1e6:g} M rays/s"
+    return f"by default, since {seconds:.3g} s{work} are less than the {SHORTEST_WITH_TRIAL:g} s from which on others are tried"
 
 
 def describe(scene: Scene, patches: int | None = None) -> dict[str, Any]:
@@ -288,14 +291,15 @@ def _metadata(scene: Scene, settings: Settings, stats: dict[str, object]) -> dic
         "version": __version__,
         "scene": scene.source,
         "scene hash": scene_hash(scene),
-        "transport": settings.first_transport,
+        "transport": str(stats["transport"]),
+        "why transport": str(stats["why_transport"]),
         "areas": settings.areas,
         "estimator": settings.estimator,
         "seed": str(settings.seed),
         "rays": str(stats["rays"]),
         **({"directions": str(stats["directions"])} if "directions" in stats else {}),
         "time": f"{stats['time']:.3f}",
-        **settings.chosen(),
+        **{name: value for name, value in settings.chosen().items() if name != "transport"},
     }
 
 

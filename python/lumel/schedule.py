@@ -178,9 +178,9 @@ class Schedule:
     def _choose_transport(self, seconds: float) -> None:
         """Go on with the transport that brings the least error in the same time; what the trials, of so many seconds each, shot is
         forgotten."""
-        best, self.why = best_transport(self.at, seconds, self._stop)
+        best, self.why = best_transport(self.at, seconds, self._stop_or_tell)
         self.at.use(best)
-        if self.refine and best != "bundles":
+        if self.refine and best != "bundles" and not self.was_interrupted:
             self.at.session = self.refine()
 
     def _first_draft(self) -> None:
@@ -235,7 +235,7 @@ class Schedule:
 
     def _fraction(self) -> float:
         """Of the time of the budget."""
-        return min(1.0, (self.at.clock.now() - self._begun) / (self._end - self._begun))
+        return min(1.0, (self.at.clock.now() - self._begun) / max(self._end - self._begun, 1e-9))
 
     def _stop(self) -> bool:
         self.was_interrupted = self.was_interrupted or self.interrupted()

@@ -16,6 +16,7 @@ from .scene import Camera, Scene
 
 TRANSPORTS = ("rays", "walk", "bundles")
 DEFAULT_TRANSPORT = "rays"
+LONGEST = 1e8  # s that a time may be
 LONG = 20.0  # s of a render from which on many patches pay
 ADAPTIVE_TIME, ADAPTIVE_RAYS = 4.0, 4_000_000  # s and rays from which on adaptive ones pay
 ITERATIONS = ("frozen", "plain")
@@ -111,7 +112,7 @@ class Settings:
     @property
     def is_free(self) -> bool:
         """May another transport be chosen? Not where one is asked for, nor what only the first one has."""
-        return self.transport is None and self.defensive is None and self.weight_diffuse is None
+        return self.transport is None and self.defensive is None and self.weight_diffuse is None and not self.adaptive
 
     @property
     def is_long(self) -> bool:
@@ -178,8 +179,8 @@ class Settings:
             yield f"rays is {self.rays}; allowed: 1 to 10^13"
         if self.directions is not None and not 1 <= self.directions <= 10**9:
             yield f"directions is {self.directions}; allowed: 1 to 10^9"
-        if self.time is not None and not 0 < self.time < math.inf:
-            yield f"time is {self.time:g}; allowed: a finite number of seconds, more than 0"
+        if self.time is not None and not 0 < self.time <= LONGEST:
+            yield f"time is {self.time:g}; allowed: more than 0 and at most {LONGEST:g} seconds"
         if self.error is not None and not 0 < self.error < math.inf:
             yield f"error is {self.error:g}; allowed: a finite number, more than 0"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from .error_bars import pictures, squared_difference
@@ -21,15 +22,20 @@ def has_time_for_trial(seconds: float | None) -> bool:
 def best_transport(work: Work, seconds: float, stop: Callable[[], bool]) -> tuple[str, str]:
     """Try each transport for so many seconds of the clock; gives the one that brings the least error in the same time, and why.
     `stop` is asked between steps."""
-    cost = {transport: try_transport(work, transport, seconds, stop) for transport in TRIED}
     first, *others = TRIED
+    cost = {transport: try_transport(work, transport, seconds, stop) for transport in TRIED}
+    if stop():
+        return first, "by default, since the trial of others was interrupted"
+    if math.isinf(cost[first]):
+        return first, "by default, since a trial saw no light"
     best = min((t for t in others if cost[t] < CLEARLY * cost[first]), key=cost.__getitem__, default=first)
     compared = ", ".join(f"{cost[t] / max(cost[best], 1e-30):.2g} times that of {best} with {t}" for t in TRIED if t != best)
     return best, f"in a trial the squared error at equal time was {compared}"
 
 
 def try_transport(work: Work, transport: str, seconds: float, stop: Callable[[], bool]) -> float:
-    """Squared relative error of the solution that a transport reaches, times the seconds that this took.
+    """Squared relative error of the solution that a transport reaches, times the seconds that this took; infinite where it shows no light,
+    or was stopped.
 
     The error is what a last replica changes in the pictures. Error bars take patches as independent, but those that a bundle meets are
     not: smoothing makes the bars smaller, and the error stays (docs/results.md).
@@ -43,6 +49,8 @@ def try_transport(work: Work, transport: str, seconds: float, stop: Callable[[],
             work.first_step(seconds)
         work.steps_until(until, stop)
         work.session.end_replica()
+        if stop():
+            return math.inf
         if replica >= TRIAL_REPLICAS - 2:
             # Fields made anew are seen by the same samples as those before, whose noise falls out of the difference.
             work.session.reconstruct()

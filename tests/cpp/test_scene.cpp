@@ -262,12 +262,13 @@ void expect_blocks_to_agree_with_single_rays(const Scene& scene, const Accel& ac
     Rng rng(6);
     for (int round = 0; round < 20; ++round) {
         // From one point, or from anywhere; the last rays of the block are left out.
-        RayBlock rays{.size = RayBlock::kMost - 3};
+        constexpr std::array<uint32_t, 5> kSizes{RayBlock::kMost, RayBlock::kMost - 3, 1, 9, 17};
+        RayBlock rays{.size = kSizes[static_cast<size_t>(round) % kSizes.size()]};
         const Vec3 eye = scene.centre() + square_to_sphere(square(rng)) * (2 * scene.radius());
         for (uint32_t i = 0; i < rays.size; ++i) {
             const Vec3 origin = round % 2 ? eye : scene.centre() + square_to_sphere(square(rng)) * scene.radius();
             rays.origin.set(i, origin), rays.direction.set(i, scene.centre() + square_to_sphere(square(rng)) * scene.radius() - origin);
-            rays.traced[i] = i + 5 < rays.size ? -1 : 0;
+            rays.traced[i] = i + 5 < rays.size || rays.size == 1 ? -1 : 0;
         }
         HitBlock hits;
         BlockedBlock blocked;

@@ -116,7 +116,7 @@ def test_memory_of_large_scenes_is_said_before_they_are_rendered(core: FakeCore,
     flags = ["render", "s", "-o", tmp_path / "a.exr", "--progress"]
     core.failure = SceneError("stopped")
     _, _, err = lumel(*flags, "plain", "--patches", "3M")
-    assert err.startswith("memory: about 1.9 GB; this machine has ")
+    assert err.startswith("memory: about 2.0 GB; this machine has ")
     for kind, patches in (("plain", "3k"), ("json", "3M")):
         assert "memory" not in lumel(*flags, kind, "--patches", patches)[2]
 

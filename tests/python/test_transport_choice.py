@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -68,11 +69,8 @@ def test_a_quality_decides_the_same_for_any_threads(monkeypatch: pytest.MonkeyPa
     # The trial goes by work that is counted. Which transport wins is bent, so that both ways on from it are seen.
     monkeypatch.setattr(trial, "SHORTEST_WITH_TRIAL", 0.3)
     monkeypatch.setattr(trial, "CLEARLY", 1e6 if best == "bundles" else 1e-6)
-    monkeypatch.setitem(QUALITIES, "draft", Quality(rays=1_500_000, rays_per_patch=0, directions=8, samples=32))
-    one, two = (
-        lumel.render(lumel.load("lumel:cornell"), quality="draft", adaptive=True, size=(48, 36), patches=1500, threads=threads)
-        for threads in (1, 2)
-    )
+    monkeypatch.setitem(QUALITIES, "medium", Quality(rays=1_500_000, rays_per_patch=0, directions=8, samples=32))
+    one, two = (lumel.render(lumel.load("lumel:cornell"), size=(48, 36), patches=1500, threads=threads) for threads in (1, 2))
     assert "trial" in str(one.stats["why_transport"])
     assert one.stats["transport"] == best
     assert one.stats["why_transport"] == two.stats["why_transport"]
@@ -95,4 +93,17 @@ def test_what_bundles_meet_together_counts_as_error() -> None:
     dim, bright = np.full((4, 5, 3), 1.0), np.full((4, 5, 3), 1.1)
     assert squared_difference([dim], [bright]) == pytest.approx(0.01 / (1.1**2 * 1.01))
     assert squared_difference([bright, dim], [bright, dim]) == 0.0
-    assert squared_difference([dim], [np.zeros((4, 5, 3))]) == 0.0
+    # A black picture tells nothing, and black ones alone show no light to compare.
+    black = np.zeros((4, 5, 3))
+    assert squared_difference([dim, dim], [black, bright]) == squared_difference([dim], [bright])
+    assert squared_difference([dim], [black]) == np.inf
+
+
+def test_a_trial_without_light_or_that_is_stopped_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trial, "SHORTEST_WITH_TRIAL", 1.0)
+    scene = lumel.load("lumel:cornell")
+    dark = replace(scene, meshes=tuple(replace(mesh, emission=(0, 0, 0)) for mesh in scene.meshes))
+    for shown, interrupted, why in ((dark, None, "by default, since a trial saw no light"), (scene, lambda: True, "interrupted")):
+        result = lumel.render(shown, time=1.2, size=(16, 12), patches=200, interrupted=interrupted)
+        assert result.stats["transport"] == "rays"
+        assert why in str(result.stats["why_transport"])

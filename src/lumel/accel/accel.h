@@ -63,7 +63,8 @@ private:
     unsigned saved_;
 };
 
-/// What neighbours in a block have in common: nothing, about their origins alone, or their directions too, as rays from one eye have.
+/// What neighbours in a block have in common: nothing that helps, about their origins alone, so that they are traced in the order of their
+/// directions, or their directions too, as rays from one eye have.
 enum class Coherence { kNone, kOrigins, kRays };
 
 /// Instruction sets that Embree traces with. Where rays meet edges, and in the last digits of hits, they differ by rounding.

@@ -21,9 +21,10 @@ struct Packet<16> {
     using RayHits = RTCRayHit16;
 };
 
-/// Rays of a block in the order in which they enter packets. What fills the last packet is nobody's.
 constexpr uint32_t kWidest = 16;
-constexpr uint16_t kNobody = RayBlock::kMost;
+constexpr uint16_t kNobody = RayBlock::kMost;  // fills the last packet
+static_assert(kNobody == RayBlock::kMost && kNobody < RayBlock::kRoom);
+/// Rays of a block in the order in which they enter packets.
 using Order = std::array<uint16_t, RayBlock::kMost + kWidest>;
 
 void in_order_of_index(const RayBlock& rays, Order& order) { std::iota(order.begin(), order.begin() + rays.size, uint16_t{0}); }
@@ -72,7 +73,7 @@ void for_each_packet(const RayBlock& rays, Coherence coherence, float reach, typ
 
 template <uint32_t kWidth>
 void intersect(RTCScene scene, const RayBlock& rays, Coherence coherence, HitBlock& hits) {
-    typename Packet<kWidth>::RayHits query;
+    typename Packet<kWidth>::RayHits query{};
     for_each_packet<kWidth>(rays, coherence, INFINITY, query.ray, [&](const int* valid, const uint16_t* ray) {
         for (uint32_t k = 0; k < kWidth; ++k) query.hit.geomID[k] = query.hit.instID[0][k] = query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
         embree::intersect(valid, scene, coherence != Coherence::kNone, query);
@@ -89,11 +90,14 @@ void intersect(RTCScene scene, const RayBlock& rays, Coherence coherence, HitBlo
 }  // namespace
 
 void intersect(RTCScene scene, bool wide, const RayBlock& rays, Coherence coherence, HitBlock& hits) {
-    wide&& coherence != Coherence::kNone ? intersect<16>(scene, rays, coherence, hits) : intersect<8>(scene, rays, coherence, hits);
+    if (wide && coherence != Coherence::kNone)
+        intersect<16>(scene, rays, coherence, hits);
+    else
+        intersect<8>(scene, rays, coherence, hits);
 }
 
 void occluded(RTCScene scene, const RayBlock& segments, BlockedBlock& blocked) {
-    RTCRay8 query;
+    RTCRay8 query{};
     for_each_packet<8>(segments, Coherence::kNone, 1, query, [&](const int* valid, const uint16_t* ray) {
         embree::occluded(valid, scene, query);
         for (uint32_t k = 0; k < 8; ++k) blocked[ray[k]] = query.tfar[k] < 0;

@@ -48,12 +48,12 @@ Difference difference(const Gathered& gathered, float light) {
 /// lum of a variance, as if its channels were one.
 float noise(Rgb variance) { return sqr(lum(square_root(variance))); }
 
-/// Share of a difference that is worth adding: `variance` is what noise makes of its square.
-float share(float square, float variance, uint32_t passes) {
-    if (!(square > 0)) return 0;
-    const float chance = kChance * std::sqrt(2 + 2 / static_cast<float>(passes - 1));
-    const float error = std::max(0.0f, square - variance * (1 + chance));
-    return error / (error + variance);
+/// Share of a difference that is worth adding, of which `real` is the square of what is not noise.
+float share(float real, float variance) { return real > 0 ? real / (real + variance) : 0.0f; }
+
+/// What noise leaves of a square that `variance` is part of.
+float without_noise(float square, float variance, uint32_t passes) {
+    return square - variance * (1 + kChance * std::sqrt(2 + 2 / static_cast<float>(passes - 1)));
 }
 
 struct Part {
@@ -71,13 +71,14 @@ struct Around {
         for (const Difference* d : at)
             if (d) body(*d);
     }
-    /// Square of the mean, from what every other pixel and the pixels between them agree on; of a pixel alone its square.
-    float square_of_mean() const {
+    /// Square of the mean without noise, which makes `variance` of it: from what every other pixel and the pixels between them agree on.
+    float square_of_mean(float variance, uint32_t passes) const {
         std::array<float, 2> sum{}, count{};
         for (size_t i = 0; i < at.size(); ++i)
             if (at[i]) sum[i % 2] += lum(at[i]->mean), ++count[i % 2];
-        if (!(count[0] > 0) || !(count[1] > 0)) return sqr((sum[0] + sum[1]) / (count[0] + count[1]));
-        return std::max(0.0f, sum[0] / count[0] * (sum[1] / count[1]));
+        if (!(count[0] > 0) || !(count[1] > 0)) return without_noise(sqr((sum[0] + sum[1]) / (count[0] + count[1])), variance, passes);
+        // Each half has twice the variance, and so has the product of two of them for its standard error.
+        return sum[0] / count[0] * (sum[1] / count[1]) - 2 * kChance * variance;
     }
     /// The larger of the mean products of what neighbours in a row, and in a column, have beyond `mean`; without the pixel itself. Noise is
     /// independent from pixel to pixel, so only what is truly there remains. Gives its standard error as well, for noise of variance
@@ -120,12 +121,13 @@ Part part(const Difference& own, const Around& around, float usual, uint32_t pas
     const float size = std::abs(lum(differs)), usual_size = kMostBeyond * std::sqrt(beyond);
     const bool is_sure = own.passes >= kPassesToBeSure && sqr(size) > sqr(kSure) * own_noise;
     const auto [common, error] = around.common(mean_of_others, of_one);
-    const float real = std::max(0.0f, common - kMostChance * error), noise_of_one = std::max(of_one, beyond - real);
-    const float single = trust * (is_sure ? share(sqr(size), own_noise, passes) : real > 0 ? real / (real + noise_of_one) : 0.0f);
-    const float limit = is_sure || size <= usual_size ? 1.0f : usual_size / size;
+    const float real = common - kMostChance * error, limit = is_sure || size <= usual_size ? 1.0f : usual_size / size;
+    const float single = trust * limit *
+                         (is_sure ? share(without_noise(sqr(size), own_noise, passes), own_noise)
+                                  : share(real, std::max(of_one, beyond - real)));
     // Where the difference from the mean is added, the mean must be as well.
-    const float smooth = std::max(trust * share(around.square_of_mean(), of_one / count, passes), single * limit);
-    return {mean * smooth + differs * (single * limit), variance * (sqr(smooth) / count + sqr(single)), std::max(smooth, single)};
+    const float smooth = std::max(trust * share(around.square_of_mean(of_one / count, passes), of_one / count), single);
+    return {mean * smooth + differs * single, variance * (sqr(smooth) / count + sqr(single)), smooth};
 }
 
 /// The differences of one kind of light in all pixels.
@@ -163,7 +165,7 @@ struct Differences {
         const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
         Around around;
         for_each_around(x, y, kReach, 1, [&](size_t other, int i, int j) {
-            if (other != pixel && !alike(film, pixel, other)) return;
+            if (other != pixel && (!(all[other].samples > 0) || !alike(film, pixel, other))) return;
             around.at[static_cast<size_t>(j - y + kReach) * Around::kSide + static_cast<size_t>(i - x + kReach)] = &all[other];
         });
         float variance = 0, light = 0;
