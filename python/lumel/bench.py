@@ -13,13 +13,13 @@ import numpy as np
 
 from . import _core
 from .core import camera_to_core, to_core
-from .pace import RAYS_PER_STEP
+from .pace import DIRECTIONS_PER_STEP, RAYS_PER_STEP
 from .render import DIRECT_SAMPLES, with_camera
 from .scene import Camera, Scene
 
 RAYS = RAYS_PER_STEP  # of a step
 WINDOW = 1024  # pixels a side, of bundles
-DIRECTIONS = 32  # of a round of bundles
+DIRECTIONS = DIRECTIONS_PER_STEP  # of a round of bundles
 ROUNDS = 5  # the median of so many is taken
 EYE_SAMPLES = 4  # a pixel and pass
 BESIDE = 0.01  # metres between eyes, for each metre that the scene is large

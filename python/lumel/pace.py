@@ -10,6 +10,7 @@ from typing import Literal, Protocol
 from . import _core
 
 RAYS_PER_STEP = 1 << 22  # what a step costs for every patch is little then, beside its rays
+DIRECTIONS_PER_STEP = 128  # a thread more or less hardly shows at the end of so many
 RAYS_PER_SAMPLE = 3.5  # of the eye: rays that could be shot in its time, see docs/performance.md
 RAYS_PER_PATCH_SWEPT = 0.43  # that could be shot while a bundle is cast, for every patch,
 RAYS_PER_EDGE_SWEPT = 0.12  # and for every pixel along the edges of patches: see docs/performance.md
@@ -36,7 +37,7 @@ def pace_of(transport: str, scene: _core.Scene, window: int | None, *, plain: bo
     `plain`: are they iterated as the paper does? Then many directions pass before a replica has settled."""
     if transport != "bundles":
         return RAYS
-    bundles = Pace("directions", 64, 1 << 14, 128, 1, rays_of_direction(scene, window))
+    bundles = Pace("directions", 64, 1 << 14, DIRECTIONS_PER_STEP, 1, rays_of_direction(scene, window))
     return replace(bundles, per_replica=1024) if plain else bundles
 
 
