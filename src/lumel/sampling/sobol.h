@@ -29,8 +29,8 @@ constexpr uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
 }
 
 /// Second Sobol dimension of an index, both with their bits reversed: the first dimension is the reversed index, so this takes what the
-/// first is, too. The generator matrix is Pascal's triangle modulo 2, the fifth Kronecker power of [1 1; 0 1]: each of the five factors adds
-/// half of the bits to the other half.
+/// first is, too. The generator matrix is Pascal's triangle modulo 2, the fifth Kronecker power of [1 1; 0 1]: each of the five factors
+/// adds half of the bits to the other half.
 constexpr uint32_t sobol_second_reversed(uint32_t index) {
     index ^= (index & 0xaaaaaaaau) >> 1;
     index ^= (index & 0xccccccccu) >> 2;
