@@ -183,9 +183,8 @@ def _why_first(settings: Settings, seconds: float | None) -> str:
     """Why a render begins with the transport that it begins with."""
     if settings.transport is not None:
         return "as asked for"
-    if not settings.is_free:
-        only = {"defensive rays": settings.defensive is not None, "weighed diffuse light": settings.weight_diffuse is not None}
-        return "by default, since bundles have no " + next((name for name, asked in only.items() if asked), "adaptive patches")
+    if settings.beyond_bundles:
+        return f"by default, since bundles have no {settings.beyond_bundles}"
     if seconds is None:
         return "by default, since " + ("an error" if settings.error else "its work") + " is given"
     work = "" if settings.time is not None else f" of work at {WorkClock.SPEED / 1e6:g} M rays/s"
@@ -299,7 +298,7 @@ def _metadata(scene: Scene, settings: Settings, stats: dict[str, object]) -> dic
         "rays": str(stats["rays"]),
         **({"directions": str(stats["directions"])} if "directions" in stats else {}),
         "time": f"{stats['time']:.3f}",
-        **{name: value for name, value in settings.chosen().items() if name != "transport"},
+        **settings.chosen(),
     }
 
 

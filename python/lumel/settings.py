@@ -112,7 +112,17 @@ class Settings:
     @property
     def is_free(self) -> bool:
         """May another transport be chosen? Not where one is asked for, nor what only the first one has."""
-        return self.transport is None and self.defensive is None and self.weight_diffuse is None and not self.adaptive
+        return self.transport is None and self.beyond_bundles is None
+
+    @property
+    def beyond_bundles(self) -> str | None:
+        """What is asked for that bundles do not have, in words."""
+        asked = {
+            "defensive rays": self.defensive is not None,
+            "weighed diffuse light": self.weight_diffuse is not None,
+            "adaptive patches": bool(self.adaptive),
+        }
+        return next((name for name, is_asked in asked.items() if is_asked), None)
 
     @property
     def is_long(self) -> bool:
@@ -166,9 +176,7 @@ class Settings:
                 if not isinstance(value, kind) and (value is not None or name in ("seed", "threads")):
                     yield f"{name} is {value!r}; allowed: {allowed}"
         size: object = self.size
-        if size is not None and not (
-            isinstance(size, tuple | list) and len(size) == 2 and all(isinstance(side, Integral) for side in size)
-        ):
+        if size is not None and not _is_pair(size):
             yield f"size is {size!r}; allowed: (width, height), two whole numbers of pixels"
 
     def _budgets(self) -> Iterator[str]:

@@ -11,9 +11,9 @@ namespace lumel {
 /// difference D, measured in every pixel, tells both. Of D the share b^2 / (b^2 + variance) is added, which makes the mean square error
 /// least (James and Stein 1961). The spread of the passes tells the variance; the squared error b^2 of the reconstruction is what
 /// different pixels that see a like surface have in common, since their noise is independent. It is done twice: for the mean of D over
-/// the pixels around, where noise is small, and for what each pixel has
-/// beyond it. Only pixels whose gathering rays meet something near are corrected: elsewhere patches are fine enough, and light from
-/// small bright spots, which rays seldom find, would be taken for darkness.
+/// the pixels around, where noise is small, and for what each pixel has beyond it. Only pixels whose gathering rays meet something near
+/// are corrected: elsewhere patches are fine enough, and light from small bright spots, which rays seldom find, would be taken for
+/// darkness.
 void correct(Film& film);
 
 }  // namespace lumel

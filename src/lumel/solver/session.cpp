@@ -44,7 +44,7 @@ Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& 
     const bool in_pixels = config.areas == AreaKind::kPixels;
     PatchAreas patches(scene_, eyes_of(cameras_), in_pixels ? std::vector<uint32_t>{} : visible_glossy_sides(accel_, lattice_, cameras_));
     if (config_.most_gathering > 0) {
-        const double measured = static_cast<double>(patches.measured()), most = double{config_.most_gathering} * kRaysPerFullStep;
+        const double measured = static_cast<double>(patches.measured()), most = double{config_.most_gathering} * kRaysOfGather;
         if (double{config_.solver.gather} * measured > most) config_.solver.gather = static_cast<float>(most / measured);
     }
     solver_.emplace(accel_, defensive_, config_.solver, std::move(patches));

@@ -58,7 +58,7 @@ void Solver::step(uint64_t work) {
     const auto weight = static_cast<double>(work);
     const Sink sink = [&](const Generation& generation) {
         // Steps of fewer rays (late generations of a walk) get fewer gathering rays.
-        absorb(generation, weight, static_cast<double>(generation.transfers.rays) / kRaysPerFullStep);
+        absorb(generation, weight, static_cast<double>(generation.transfers.rays) / kRaysOfGather);
     };
     switch (config_.transport) {
     case Transport::kWalk: {
@@ -78,7 +78,7 @@ void Solver::step(uint64_t work) {
     case Transport::kBundles:
         bundles_->step(static_cast<uint32_t>(work), [&](const Generation& generation) {
             const auto directions = static_cast<double>(generation.bundles.size());
-            absorb(generation, directions, directions / kBundlesPerFullStep);
+            absorb(generation, directions, directions / kBundlesOfGather);
             weight_ += directions;
         });
         break;

@@ -14,8 +14,8 @@ namespace lumel {
 
 enum class Transport { kWalk, kRays, kBundles };
 
-/// Work of a full step, which the number of gathering rays refers to.
-inline constexpr double kRaysPerFullStep = 1 << 20, kBundlesPerFullStep = 1 << 10;
+/// Rays, or bundles, that the number of gathering rays refers to.
+inline constexpr double kRaysOfGather = 1 << 20, kBundlesOfGather = 1 << 10;
 
 /// What bundles carry: the light of a state solved by power, or what the bundle before them brought ([WIS] 3.2).
 enum class Iteration { kFrozen, kPlain };
@@ -23,7 +23,7 @@ enum class Iteration { kFrozen, kPlain };
 struct SolverConfig {
     Transport transport = Transport::kRays;
     float defensive = 0.1f;         ///< share of defensive rays, 0..1; a session chooses one if it is negative
-    float gather = 0;               ///< gathering rays for every measured side, eye and full step
+    float gather = 0;               ///< gathering rays for every measured side and eye, and kRaysOfGather
     bool first_shot = true;         ///< compute direct light apart, and shoot its first reflection
     uint32_t direct_samples = 4;    ///< shadow rays a side and replica for the first shot
     Rgb homogeneous{};              ///< for tests: see IlluminationConfig
@@ -86,7 +86,7 @@ private:
     /// Start the transports that keep a state over the steps of a replica.
     void start_rays(uint64_t solve_rays);
     void start_bundles(uint64_t solve_rays);
-    /// Measure what a step brought; it counts `weight`, and gets this share of the gathering rays of a full step.
+    /// Measure what a step brought; it counts `weight`, and gets this share of the gathering rays of kRaysOfGather rays.
     void absorb(const Generation& generation, double weight, double full_steps);
 
     const Accel* accel_;
