@@ -3,7 +3,7 @@
 
 #include "lumel/solver/session.h"
 #include "lumel/transport/covers.h"
-#include "scenes.h"
+#include "runs.h"
 
 namespace lumel::test {
 
@@ -12,9 +12,9 @@ namespace {
 constexpr float kAlbedo = 0.8f;
 
 /// A closed room with a lamp at the ceiling and a block that is sunk into the floor, in coarse patches.
-Scene room_with_block(uint64_t patches, Vec3 lower, Vec3 upper) {
+Scene room_with_block(uint64_t patches, Vec3 lower, Vec3 upper, const Material& walls = matt(kAlbedo)) {
     SceneBuilder b;
-    b.shape(b.material(matt(kAlbedo))).box({0, 0, 0}, {1, 1, 1}, true);
+    b.shape(b.material(walls)).box({0, 0, 0}, {1, 1, 1}, true);
     b.shape(b.material(matt(kAlbedo))).box(lower, upper, false);
     b.shape(b.material(matt(0)), grey(10)).quad({0.1f, 0.1f, 0.99f}, {0, 0.2f, 0}, {0.2f, 0, 0});
     return b.build(patches);
@@ -77,6 +77,42 @@ TEST(Covers, little_light_is_lost_under_a_block) {
     EXPECT_GT(mean, 0.99 - 5 * stderr_);
     EXPECT_LT(mean, 1 + 5 * stderr_);
     EXPECT_LT(stderr_, 2e-3);
+}
+
+TEST(Covers, points_under_a_block_are_no_part_of_what_gathers) {
+    // The density of areas that the block covers in part integrates to 1 over what is open of them: with 64 points that tell how much that
+    // is, to 1 %, and five standard errors over seeds. It was 1.3 when points under the block counted.
+    constexpr int kSeeds = 6;
+    const Camera camera{.origin = {0.5f, 0.02f, 0.9f},
+                        .right = {1, 0, 0},
+                        .up = {0, 0.8f, 0.6f},
+                        .forward = {0, 0.6f, -0.8f},
+                        .tan_x = 1.2f,
+                        .tan_y = 1.2f,
+                        .width = 32,
+                        .height = 32};
+    for (Transport transport : kTransports) {
+        std::vector<double> densities;
+        for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+            Session session(room_with_block(600, {0.31f, 0.33f, -0.1f}, {0.72f, 0.69f, 0.2f}, glossy(grey(0.4f), grey(0.4f), 0.2f)),
+                            {camera}, {.solver = {.transport = transport, .gather = 4000, .seed = seed}});
+            run_replica(session.solver(), {.solver = {.transport = transport}, .rays = 100000, .solve_rays = 50000});
+            const PatchAreas& areas = session.solver().areas();
+            double density = 0, size = 0;
+            for (uint32_t area = 0; area < areas.size(); ++area) {
+                const float open = session.scene().open_share(areas.sides()[area]);
+                EXPECT_GT(open, 0);
+                if (!(areas.albedo(0, area) > 0) || open == 1) continue;
+                const double counts = areas.area(area) * areas.albedo(0, area);
+                density += areas.samples(0, area).g * counts, size += counts;
+            }
+            ASSERT_GT(size, 0);
+            densities.push_back(density / size);
+        }
+        const Mean mean = mean_of(densities);
+        EXPECT_NEAR(mean.value, 1, 0.01 + 5 * mean.error) << name_of(transport);
+        EXPECT_LT(mean.error, 0.02) << name_of(transport);
+    }
 }
 
 TEST(Covers, nothing_is_covered_in_an_open_scene) {

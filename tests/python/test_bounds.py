@@ -33,13 +33,13 @@ boxes = st.fixed_dictionaries(
 
 
 def build(box: dict[str, Any]) -> lumel.Scene:
-    """A glossy floor between black walls that shine, each in its own colour: L_in is at most the largest emission of a channel."""
+    """A glossy floor between black walls that shine inwards, each in its own colour: L_in is at most the largest emission of a channel."""
     x, y, z = box["size"]
     walls = [
-        plate("back", (x, y, 0), (-2 * x, 0, 0), (0, 0, z), "black"),
-        plate("front", (-x, -y, 0), (2 * x, 0, 0), (0, 0, z), "black"),
-        plate("left", (-x, y, 0), (0, -2 * y, 0), (0, 0, z), "black"),
-        plate("right", (x, -y, 0), (0, 2 * y, 0), (0, 0, z), "black"),
+        plate("back", (-x, y, 0), (2 * x, 0, 0), (0, 0, z), "black"),
+        plate("front", (x, -y, 0), (-2 * x, 0, 0), (0, 0, z), "black"),
+        plate("left", (-x, -y, 0), (0, 2 * y, 0), (0, 0, z), "black"),
+        plate("right", (x, y, 0), (0, -2 * y, 0), (0, 0, z), "black"),
         plate("ceiling", (-x, y, z), (2 * x, 0, 0), (0, -2 * y, 0), "black"),
     ]
     shining = [lumel.Mesh(w.name, w.vertices, w.triangles, "black", emission=e) for w, e in zip(walls, box["emissions"], strict=True)]

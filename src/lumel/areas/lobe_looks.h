@@ -61,8 +61,10 @@ private:
         else
             tally_.add_look(d.area, step_, double{lum(d.scatter)} / (double{seen.density} * double{d.cos_per_density}));
     }
-    /// f/q and g/q of a look, with q = n_s p + n_g p_g for n_g looks in all. To n_s p belong bundles, beside what a look has seen.
+    /// f/q and g/q of a look, with q = n_s p + n_g p_g for n_g looks in all. To n_s p belong bundles, beside what a look has seen. A point
+    /// that no light can reach is no part of the area, so it counts neither as light nor as density.
     void sample(const Drawn& d, const Seen& seen) {
+        if (seen.dark) return;
         const double q = double{seen.density} * double{d.cos_per_density} +
                          (step_.bundle_density_w() + step_.gather * double{d.pdf_w}) / d.size;
         tally_.add(d.area, step_, to_double(d.scatter) * to_double(seen.radiance) * (1 / q), double{lum(d.scatter)} / q);

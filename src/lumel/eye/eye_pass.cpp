@@ -81,7 +81,9 @@ std::vector<uint32_t> visible_glossy_sides(const Accel& accel, const Lattice& la
             for (uint32_t vertex : vertices(side)) near[vertex] = 1;
     std::vector<uint32_t> sides;
     for (uint32_t side = 0; side < scene.sides(); ++side) {
-        if (scene.glossy_index(side) == Scene::kNone || scene.material(scene.triangle_of_side(side)).alpha < kSharp) continue;
+        if (scene.glossy_index(side) == Scene::kNone || !scene.scatters(side) ||
+            scene.material(scene.triangle_of_side(side)).alpha < kSharp)
+            continue;
         const auto ids = vertices(side);
         if (near[ids[0]] || near[ids[1]] || near[ids[2]]) sides.push_back(side);
     }

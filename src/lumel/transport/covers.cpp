@@ -23,8 +23,7 @@ std::vector<uint8_t> sealed_faces(const Scene& scene, const DefensiveStarts& sta
     std::vector<uint8_t> sealed(size_t{scene.triangles()} * 2);
     const std::vector<uint32_t> closed = closed_surfaces(scene);
     for (uint32_t t = 0; t < scene.triangles(); ++t)
-        for (uint32_t back : {0u, 1u})
-            sealed[size_t{t} * 2 + back] = closed[t] != Scene::kNone && !starts.reached[size_t{scene.shape(t)} * 2 + back];
+        for (uint32_t back : {0u, 1u}) sealed[size_t{t} * 2 + back] = closed[t] != Scene::kNone && !starts.reaches(scene, t, back);
     return sealed;
 }
 

@@ -65,8 +65,8 @@ DefensiveStarts survey(const Accel& accel, uint64_t seed) {
     // What a perfect mirror reflects has its density already: starts on it would count its directions twice.
     starts.by_area = Distribution(scene.sides(), [&](uint32_t side) {
         if (scene.scatters(side) && scene.material(scene.triangle_of_side(side)).is_perfect_mirror()) return 0.0f;
-        const bool is_reached = starts.reached[size_t{scene.shape(scene.triangle_of_side(side))} * 2 + scene.is_back(side)];
-        return is_reached ? scene.patch_area(scene.patch_of_side(side)) : 0.0f;
+        return starts.reaches(scene, scene.triangle_of_side(side), scene.is_back(side)) ? scene.patch_area(scene.patch_of_side(side))
+                                                                                        : 0.0f;
     });
     if (static_cast<double>(escapes) > kLeak * static_cast<double>(steps)) starts.sphere_area = 4 * double{kPi} * sqr(scene.radius());
     return starts;

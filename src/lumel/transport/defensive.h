@@ -15,6 +15,10 @@ struct DefensiveStarts {
     std::vector<uint8_t> reached;  ///< per face, 2 shape + back: did light come there? Empty where there are no lamps
     double area() const { return by_area.total() + sphere_area; }
     bool open() const { return sphere_area > 0; }
+    /// Can light come to a face? As far as is known: to all where there are no lamps.
+    bool reaches(const Scene& scene, uint32_t triangle, bool back) const {
+        return reached.empty() || reached[size_t{scene.shape(triangle)} * 2 + back];
+    }
 };
 
 /// Find out by walks from the lamps which shapes light can reach, and whether it can leave the scene.

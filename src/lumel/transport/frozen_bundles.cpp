@@ -53,7 +53,7 @@ void FrozenBundles::cast_batch(uint32_t directions, const Sink& sink) {
 
     shoot_beside(solved_.emitters(), key(config_.stream, kRest, batch), over_mirrors_);
     receive(*scene_, bundles_, at, received_);
-    sink({transfers_, SolvedSight(*accel_, solved_.emitters()), received_, solved_.emitters(), bundles_});
+    sink({transfers_, SolvedSight(*accel_, *defensive_, solved_.emitters()), received_, solved_.emitters(), bundles_});
 }
 
 }  // namespace lumel

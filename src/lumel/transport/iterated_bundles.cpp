@@ -81,7 +81,7 @@ void IteratedBundles::iterate(const Sink* sink) {
     add(*scene_, reflected_, key(stream, kMerge, 1), all);
     shoot_beside(all, key(stream, kRest), over_mirrors_);
     take_bundles(at, key(stream, kDraw));
-    if (sink) (*sink)({transfers_, SolvedSight(*accel_, all), received_, reflected_, bundles_});
+    if (sink) (*sink)({transfers_, SolvedSight(*accel_, *defensive_, all), received_, reflected_, bundles_});
 }
 
 void IteratedBundles::add_reflected(const Chain& chain, Vec3 direction, Square at, std::span<Rgb> sent) const {

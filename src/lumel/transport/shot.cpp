@@ -73,7 +73,8 @@ Seen Shot::see(Ray ray, Hit hit) const {
         const Rgb radiance = mirrors > 0 ? e.radiance + e.behind_mirror : e.radiance;
         const float density = (e.pdf_aw / cos + defensive_density(side)) * survive;
         // Light goes both ways, so what sees a side that none can reach is out of its reach, too.
-        return {radiance * tint, density, !(density > 0) && defensive.by_area.size() > 0 && !(defensive.by_area.weight(side) > 0)};
+        const bool sends = density > 0 || max_component(radiance) > 0;
+        return {radiance * tint, density, !sends && !defensive.reaches(scene, hit.triangle, hit.back)};
     }
     return {};
 }

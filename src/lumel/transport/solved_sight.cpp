@@ -14,6 +14,7 @@ void SolvedSight::see(std::span<const Look> looks, std::span<Seen> seen) const {
         const SideSource source(scene, *emitters_, scene.side_of(hit.point(), hit.back), 0);
         const SideSource::Emission e = source.evaluate(y.shading, -looks[i].direction);
         seen[i].radiance = e.radiance - e.sharp;
+        seen[i].dark = !(max_component(e.radiance) > 0) && !reachable_->reaches(scene, hit.triangle, hit.back);
     }
 }
 

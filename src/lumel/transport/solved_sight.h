@@ -3,6 +3,7 @@
 
 #include "lumel/accel/accel.h"
 #include "lumel/transfer/sight.h"
+#include "lumel/transport/defensive.h"
 #include "lumel/transport/emitters.h"
 
 namespace lumel {
@@ -11,11 +12,13 @@ namespace lumel {
 /// along a look: that of bundles is the same everywhere (see Bundle). What it refers to must outlive it.
 class SolvedSight : public Sight {
 public:
-    SolvedSight(const Accel& accel, const Emitters& emitters) : accel_(&accel), emitters_(&emitters) {}
+    SolvedSight(const Accel& accel, const DefensiveStarts& reachable, const Emitters& emitters)
+        : accel_(&accel), reachable_(&reachable), emitters_(&emitters) {}
     void see(std::span<const Look> looks, std::span<Seen> seen) const override;
 
 private:
     const Accel* accel_;
+    const DefensiveStarts* reachable_;
     const Emitters* emitters_;
 };
 
