@@ -50,9 +50,9 @@ SideField known(const Scene& scene, const Value& value) {
     return field;
 }
 
-Reconstruction reconstructed(const Scene& scene, const Lattice& lattice, const SideField& field) {
-    const PatchAreas none = no_areas(scene);
-    return {scene, lattice, Solution{field, field, none}, *find_estimator("classical")};
+Reconstruction reconstructed(const Accel& accel, const Lattice& lattice, const SideField& field) {
+    const PatchAreas none = no_areas(accel.scene());
+    return {accel, lattice, Solution{field, field, none}, *find_estimator("classical")};
 }
 
 /// Root mean square error on the floor of `room_with_box`, up to 0.3 m around the box, relative to the mean of the truth.
@@ -121,13 +121,14 @@ TEST(Cells, every_point_belongs_to_one_patch) {
 
 TEST(Cells, interpolation_has_no_steps_and_keeps_linear_fields) {
     const Scene scene = divided_by_chance(room_with_box(matt(0.5f)).build(900), 3);
+    const Accel accel(scene);
     const Lattice lattice(scene);
     ASSERT_GT(lattice.hanging().size(), 100u);
     const auto linear = [](Vec3 x) { return 1 + 0.3f * x.x - 0.2f * x.y + 0.1f * x.z; };
     const SideField even = known(scene, linear);
     Rng rng(4);
     const SideField wild = known(scene, [&](Vec3) { return rng.uniform(); });
-    const Reconstruction smooth = reconstructed(scene, lattice, even), rough = reconstructed(scene, lattice, wild);
+    const Reconstruction smooth = reconstructed(accel, lattice, even), rough = reconstructed(accel, lattice, wild);
     for (int i = 0; i < 20000; ++i) {
         // Points across the edges of patches, inside a wall of the room: its vertices on the border pool patches on one side.
         const auto patch = static_cast<uint32_t>(rng.uniform() * static_cast<float>(scene.patches()));
@@ -189,7 +190,7 @@ TEST(Cells, patches_go_where_light_bends_and_errors_fall) {
     const Stage fine(room_with_box(material).build(30000));
     const Solver solved_fine = solved(fine, config, no_areas(fine.scene));
     const SideField light = solved_fine.indirect();
-    const Reconstruction truth = reconstructed(fine.scene, fine.lattice, light);
+    const Reconstruction truth = reconstructed(fine.accel, fine.lattice, light);
     std::array<double, 2> errors{};
     for (const bool adaptive : {false, true}) {
         Scene scene = room_with_box(material).build(2400);
@@ -197,7 +198,7 @@ TEST(Cells, patches_go_where_light_bends_and_errors_fall) {
         const Stage stage(std::move(scene));
         const Solver solver = solved(stage, config, no_areas(stage.scene));
         const SideField found = solver.indirect();
-        errors[adaptive] = error_at_contact(stage.scene, reconstructed(stage.scene, stage.lattice, found), fine.scene, truth);
+        errors[adaptive] = error_at_contact(stage.scene, reconstructed(stage.accel, stage.lattice, found), fine.scene, truth);
     }
     EXPECT_LT(errors[1], 0.6 * errors[0]);
 }

@@ -115,6 +115,28 @@ TEST(Covers, points_under_a_block_are_no_part_of_what_gathers) {
     }
 }
 
+TEST(Covers, light_over_a_thin_ceiling_is_not_seen_below) {
+    // A sheet divides a room, and the patches of its walls: what is seen of these right under the sheet has no light from above it. It was
+    // 80 % of that. What is left are the rays that such patches send from below the sheet.
+    SceneBuilder b;
+    b.shape(b.material(matt(kAlbedo))).box({0, 0, 0}, {1, 1, 1}, true);
+    b.shape(b.material(matt(kAlbedo))).quad({0, 0, 0.517f}, {1, 0, 0}, {0, 1, 0});
+    b.shape(b.material(matt(0)), grey(10)).quad({0.1f, 0.1f, 0.99f}, {0, 0.2f, 0}, {0.2f, 0, 0});
+    Session session(b.build(1000), {}, {.solver = {.seed = 1}});
+    run_replica(session.solver(), {.rays = 100000, .solve_rays = 50000});
+    session.reconstruct();
+    double above = 0, below = 0;
+    for (int i = 1; i < 64; ++i)
+        for (float offset : {0.004f, 0.012f, 0.02f}) {
+            const auto at = [&](float z) {
+                const Hit hit = session.accel().intersect({{0.5f, static_cast<float>(i) / 64, z}, {-1, 0, 0}});
+                return double{lum(session.reconstruction().total_irradiance(hit.point(), hit.back))};
+            };
+            above += at(0.517f + offset), below += at(0.517f - offset);
+        }
+    EXPECT_LT(below, 0.08 * above);
+}
+
 TEST(Covers, nothing_is_covered_in_an_open_scene) {
     SceneBuilder b;
     b.shape(b.material(matt(kAlbedo))).quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0});

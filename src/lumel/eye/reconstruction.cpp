@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include "lumel/eye/smooth.h"
+#include "lumel/scene/surface.h"
 
 namespace lumel {
 
@@ -20,9 +21,13 @@ std::vector<uint32_t> first_slots_of_single_areas(const Neighbourhood& neighbour
 
 }  // namespace
 
-Reconstruction::Reconstruction(const Scene& scene, const Lattice& lattice, const Solution& solution, const Estimator& estimator)
-    : scene_(&scene), lattice_(&lattice), neighbourhood_(scene, lattice, solution.areas), specular_(solution.areas.eyes()) {
-    indirect_ = pool(smoothed(scene, lattice, solution.indirect));
+Reconstruction::Reconstruction(const Accel& accel, const Lattice& lattice, const Solution& solution, const Estimator& estimator)
+    : accel_(&accel),
+      scene_(&accel.scene()),
+      lattice_(&lattice),
+      neighbourhood_(*scene_, lattice, solution.areas),
+      specular_(solution.areas.eyes()) {
+    indirect_ = pool(smoothed(*scene_, lattice, solution.indirect));
     direct_ = pool(solution.direct);
     for (uint32_t eye = 0; eye < solution.areas.eyes(); ++eye) estimate_specular(solution.areas, estimator, eye);
 }
@@ -93,8 +98,22 @@ void Reconstruction::hang_specular(uint32_t eye) {
         }
 }
 
+Lattice::Stencil Reconstruction::stencil(SurfacePoint p, bool back) const {
+    Lattice::Stencil s = lattice_->stencil(p, back);
+    if (!scene_->cover(s.patch + (back ? scene_->patches() : 0)).divides) return s;
+    const Vec3 from = Surface(*scene_, p, back).off(scene_->epsilon());
+    std::array<bool, 3> sees{}, nearest{};
+    for (int k = 0; k < 3; ++k) {
+        const Surface corner(*scene_, scene_->point_on_patch(s.patch, kCornersFromWithin[k]), back);
+        sees[k] = s.weight[k] > 0 && accel_->visible(from, corner.off(scene_->epsilon()));
+    }
+    nearest[std::max_element(s.weight.begin(), s.weight.end()) - s.weight.begin()] = true;
+    if (!Lattice::keep(s, sees)) Lattice::keep(s, nearest);
+    return s;
+}
+
 Reconstructed Reconstruction::irradiance(SurfacePoint p, bool back) const {
-    const Lattice::Stencil s = lattice_->stencil(p, back);
+    const Lattice::Stencil s = stencil(p, back);
     Reconstructed r;
     for (int k = 0; k < 3; ++k) {
         const uint32_t at = vertex_side(s.vertex[k], back);
@@ -105,7 +124,7 @@ Reconstructed Reconstruction::irradiance(SurfacePoint p, bool back) const {
 }
 
 Rgb Reconstruction::total_irradiance(SurfacePoint p, bool back) const {
-    const Lattice::Stencil s = lattice_->stencil(p, back);
+    const Lattice::Stencil s = stencil(p, back);
     Rgb sum;
     for (int k = 0; k < 3; ++k) {
         const uint32_t at = vertex_side(s.vertex[k], back);
@@ -115,7 +134,7 @@ Rgb Reconstruction::total_irradiance(SurfacePoint p, bool back) const {
 }
 
 std::optional<Reconstructed> Reconstruction::specular(uint32_t eye, SurfacePoint p, bool back) const {
-    const Lattice::Stencil s = lattice_->stencil(p, back);
+    const Lattice::Stencil s = stencil(p, back);
     Reconstructed r;
     float weight = 0;
     for (int k = 0; k < 3; ++k) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "lumel/accel/accel.h"
 #include "lumel/areas/estimates.h"
 #include "lumel/areas/irradiance.h"
 #include "lumel/scene/lattice.h"
@@ -27,7 +28,7 @@ struct Solution {
 /// estimator takes its ratio.
 class Reconstruction {
 public:
-    Reconstruction(const Scene& scene, const Lattice& lattice, const Solution& solution, const Estimator& estimator);
+    Reconstruction(const Accel& accel, const Lattice& lattice, const Solution& solution, const Estimator& estimator);
 
     /// Irradiance that was shot (indirect, or all without the first shot), W/m2.
     Reconstructed irradiance(SurfacePoint p, bool back) const;
@@ -51,8 +52,11 @@ private:
     void estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye);
     /// Make the field linear along edges that coarser cells share.
     void hang_specular(uint32_t eye);
+    /// Where a wall divides the patch, the corners that are on the same side of it as p have all the weight.
+    Lattice::Stencil stencil(SurfacePoint p, bool back) const;
     uint32_t vertex_side(uint32_t vertex, bool back) const { return vertex + (back ? lattice_->size() : 0); }
 
+    const Accel* accel_;
     const Scene* scene_;
     const Lattice* lattice_;
     VertexField indirect_, direct_;

@@ -151,14 +151,15 @@ Lattice::Stencil Lattice::stencil(SurfacePoint p, bool back) const {
     Stencil s{tessellation.first_patch_of_cell(in.cell) + place.index(n), corners_in_cell(in.cell, place), {}};
     for (int k = 0; k < 3; ++k) s.weight[k] = std::clamp(raw[k], 0.0f, 1.0f);
     const Cover& cover = scene_->cover(s.patch + (back ? scene_->patches() : 0));
-    const auto nearest = static_cast<int>(std::max_element(s.weight.begin(), s.weight.end()) - s.weight.begin());
-    float open = 0, sum = 0;
-    for (int k = 0; k < 3; ++k) open += cover.corner[k] ? 0.0f : s.weight[k];
-    for (int k = 0; open > 0 && k < 3; ++k)
-        if (cover.corner[k] || (cover.divides && k != nearest && !cover.corner[nearest])) s.weight[k] = 0;
-    for (float weight : s.weight) sum += weight;
-    for (float& weight : s.weight) weight /= sum;
+    keep(s, {!cover.corner[0], !cover.corner[1], !cover.corner[2]});
     return s;
+}
+
+bool Lattice::keep(Stencil& stencil, const std::array<bool, 3>& corners) {
+    float kept = 0, sum = 0;
+    for (int k = 0; k < 3; ++k) sum += stencil.weight[k], kept += corners[k] ? stencil.weight[k] : 0.0f;
+    for (int k = 0; k < 3; ++k) stencil.weight[k] = kept > 0 ? (corners[k] ? stencil.weight[k] / kept : 0) : stencil.weight[k] / sum;
+    return kept > 0;
 }
 
 }  // namespace lumel

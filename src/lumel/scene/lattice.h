@@ -20,13 +20,15 @@ public:
     uint32_t place(uint32_t vertex) const { return place_[vertex]; }
     uint32_t places() const { return places_; }
     /// Corners and weights (they sum to 1) that interpolate at a point. A covered corner may have the light from beyond what covers it: its
-    /// weight goes to the others, which keeps the field continuous. Where a wall divides the patch, the nearest corner has it all.
+    /// weight goes to the others, which keeps the field continuous.
     struct Stencil {
         uint32_t patch;
         std::array<uint32_t, 3> vertex;
         std::array<float, 3> weight;
     };
     Stencil stencil(SurfacePoint p, bool back) const;
+    /// Give all weight to some corners, if they have any. Returns whether they had.
+    static bool keep(Stencil& stencil, const std::array<bool, 3>& corners);
 
     /// A vertex in the middle of an edge of a coarser cell. A field is linear along that edge, so it has the mean of both ends there.
     struct Hanging {

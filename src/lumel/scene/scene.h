@@ -55,12 +55,15 @@ struct AreaLamp {
     Distribution by_area;             ///< over `triangles`
 };
 
-/// What keeps light from a side: a closed surface that stands on the patch or cuts it.
+/// What keeps light from a side, or from a part of it: what stands on the patch or cuts it.
 struct Cover {
     float open_share = 1;            ///< of the side, that light can reach, 0..1
     std::array<bool, 3> corner{};    ///< those of the patch that no light can reach
     bool divides = false;            ///< light at one of the other corners need not be that at another: a thin wall stands between
 };
+
+/// Barycentric coordinates of the corners of a patch, seen from a little within: walls often begin right at them.
+inline constexpr std::array<Square, 3> kCornersFromWithin{{{0.0067f, 0.0067f}, {0.9867f, 0.0067f}, {0.0067f, 0.9867f}}};
 
 /// One **side** is one face of a patch: index patch for the front, patch + patches() for the back.
 class Scene {

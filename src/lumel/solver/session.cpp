@@ -62,7 +62,7 @@ SideField Session::indirect() const {
 
 void Session::reconstruct() {
     const SideField shot = indirect(), direct = solver_->direct();
-    reconstruction_.emplace(scene_, lattice_, Solution{shot, direct, solver_->areas()}, *config_.estimator);
+    reconstruction_.emplace(accel_, lattice_, Solution{shot, direct, solver_->areas()}, *config_.estimator);
     pixels_.clear();
     for (uint32_t c = 0; solver_->pixels() && c < cameras_.size(); ++c)
         pixels_.push_back(estimate_pixels(*solver_->pixels(), c, *config_.estimator));

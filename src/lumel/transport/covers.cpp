@@ -15,8 +15,8 @@ namespace {
 constexpr uint32_t kFewPoints = 8, kManyPoints = 64;  // of a side; many where some of the few are covered
 constexpr uint32_t kRays = 8;                         // of a point that is looked at closely
 constexpr float kLeastShare = 1.0f / 32;
-constexpr float kWithin = 0.02f;  // how far corners are looked at from within, of their distance to the middle
 constexpr float kStep = 0.2f;     // between open points of one part, of the edge
+constexpr double kSmall = 0.25;   // of the mean patch: what is smaller is not asked whether something crosses it
 
 /// Which faces no light can reach, 2 triangle + back.
 std::vector<uint8_t> sealed_faces(const Scene& scene, const DefensiveStarts& starts) {
@@ -43,11 +43,19 @@ public:
             if (!is_covered(point(i), i, rays)) return false;
         return true;
     }
+    /// Does something stand on two of its edges, a wall too thin to cover anything? What stands on one leaves a way over the third corner.
+    bool is_crossed() const {
+        std::array<Vec3, 3> corner;
+        for (uint32_t k = 0; k < 3; ++k) corner[k] = surface(kCornersFromWithin[k]).off(accel_.scene().epsilon());
+        int blocked = 0;
+        for (uint32_t k = 0; k < 3; ++k) blocked += !accel_.visible(corner[k], corner[(k + 1) % 3]);
+        return blocked >= 2;
+    }
     /// Look closely, at the corners first. Where the covered part divides the rest, nobody knows which part has the light. Then all counts
     /// as open: light that is lost does less harm than light that goes through a wall.
     Cover look() const {
-        constexpr float in = kWithin / 3, at = 1 - kWithin + in;
-        std::array<Square, 3 + kManyPoints> where{{{in, in}, {at, in}, {in, at}}};
+        std::array<Square, 3 + kManyPoints> where{};
+        std::copy_n(kCornersFromWithin.begin(), 3, where.begin());
         std::array<bool, 3 + kManyPoints> covered{};
         Cover cover;
         uint32_t count = 0;
@@ -59,7 +67,8 @@ public:
             else
                 count += covered[i];
         }
-        cover.divides = is_divided(where, covered);
+        // Where nothing is covered, it is looked at since something crosses it: that is too thin to cover points.
+        cover.divides = is_divided(where, covered) || std::none_of(covered.begin(), covered.end(), [](bool c) { return c; });
         if (!cover.divides)
             cover.open_share = count == kManyPoints ? 0 : std::max(kLeastShare, 1 - static_cast<float>(count) / kManyPoints);
         return cover;
@@ -82,9 +91,13 @@ private:
         return !(met[0] && met[1] && met[2]);
     }
     Square point(uint32_t i) const { return square_to_triangle(sobol2d(i, key(0x0Eu, side_))); }
+    Surface surface(Square at) const {
+        const Scene& scene = accel_.scene();
+        return {scene, scene.point_on_patch(scene.patch_of_side(side_), at), scene.is_back(side_)};
+    }
     bool is_covered(Square at, uint32_t number, uint32_t rays) const {
         const Scene& scene = accel_.scene();
-        const Surface x(scene, scene.point_on_patch(scene.patch_of_side(side_), at), scene.is_back(side_));
+        const Surface x = surface(at);
         const Frame frame(x.normal);
         for (uint32_t i = 0; i < rays; ++i) {
             const Vec3 w = frame.to_world(square_to_cosine_hemisphere(sobol2d(number * kRays + i, key(0x0Fu, side_))));
@@ -99,8 +112,8 @@ private:
     uint32_t side_;
 };
 
-Cover cover(const Probes& probes) {
-    if (!probes.any(kFewPoints, 1)) return {};
+Cover cover(const Probes& probes, bool is_small) {
+    if (!probes.any(kFewPoints, 1)) return is_small || !probes.is_crossed() ? Cover{} : probes.look();
     return probes.all(kFewPoints, kRays) ? Cover{0} : probes.look();
 }
 
@@ -110,7 +123,7 @@ std::vector<Cover> find_covers(const Accel& accel, const DefensiveStarts& starts
     const Scene& scene = accel.scene();
     if (starts.reached.empty()) return {};
     const std::vector<uint8_t> sealed = sealed_faces(scene, starts);
-    if (std::find(sealed.begin(), sealed.end(), 1) == sealed.end()) return {};
+    const double small = kSmall * scene.total_area() / scene.patches();
     std::vector<Cover> covers(scene.sides());
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 256), [&](const auto& range) {
         const FlushDenormals flush;
@@ -118,10 +131,11 @@ std::vector<Cover> find_covers(const Accel& accel, const DefensiveStarts& starts
             if (sealed[size_t{scene.triangle_of_side(side)} * 2 + scene.is_back(side)])
                 covers[side] = {0};
             else if (scene.scatters(side))
-                covers[side] = cover(Probes(accel, sealed, side));
+                covers[side] = cover(Probes(accel, sealed, side), double{scene.patch_area(scene.patch_of_side(side))} < small);
         }
     });
-    return covers;
+    const bool is_open = std::all_of(covers.begin(), covers.end(), [](const Cover& c) { return c.open_share == 1 && !c.divides; });
+    return is_open ? std::vector<Cover>{} : covers;
 }
 
 }  // namespace lumel

@@ -12,7 +12,8 @@ namespace lumel {
 /// about the size of a patch over that of the scene.
 ///
 /// A face is sealed if it belongs to a closed surface and no light came to it. A point is covered if a ray that leaves it meets a sealed
-/// face; the open share of a side is counted at points spread over it.
+/// face; the open share of a side is counted at points spread over it. A wall divides a patch, however thin it is, if it stands on two of
+/// its edges.
 std::vector<Cover> find_covers(const Accel& accel, const DefensiveStarts& starts);
 
 }  // namespace lumel
