@@ -80,9 +80,6 @@ public:
     void forget() {
         run([&] { session_->solver().forget(); });
     }
-    void change_transport(const std::string& transport) {
-        run([&] { session_->change_transport(named("transport", transport, kTransports)); });
-    }
     void reconstruct() {
         run([&] { session_->reconstruct(); });
     }
@@ -274,7 +271,6 @@ void bind_session(nb::module_& m) {
         .def("begin_replica", &BoundSession::begin_replica, nb::arg("solve_rays"))
         .def("step", &BoundSession::step, nb::arg("work"))
         .def("end_replica", &BoundSession::end_replica)
-        .def("change_transport", &BoundSession::change_transport, nb::arg("transport"))
         .def("forget", &BoundSession::forget)
         .def("reconstruct", &BoundSession::reconstruct)
         .def("eye_pass", &BoundSession::eye_pass, nb::arg("camera"), nb::arg("samples"))

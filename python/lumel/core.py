@@ -13,7 +13,7 @@ from .scene import Camera, Material, Mesh, Rgb, Scene
 
 ROOM_FOR_ROUNDING = 1e-3  # of an albedo above 1
 SMOOTHEST = 1e-3
-MORE_PATCHES, MANY_MORE_PATCHES = 20_000, 150_000  # than triangles, by default; and where there is time for them
+MORE_PATCHES = 20_000  # than triangles, where no number is given
 FARTHEST = 1e9  # m, as in the core
 BRIGHTEST = 1e15  # W/(m2 sr) or W/sr: the square, a variance, must be a float too
 
@@ -56,9 +56,9 @@ def to_core(scene: Scene, patches: int | None = None) -> tuple[_core.Scene, tupl
     return core, tuple(_notes(core))
 
 
-def wanted_patches(triangles: int, patches: int | None, *, many: bool = False) -> int:
-    """About how many patches a scene gets where so many are asked for (None: that depends on whether there is time for `many`)."""
-    return triangles + (MANY_MORE_PATCHES if many else MORE_PATCHES) if patches is None else patches
+def wanted_patches(triangles: int, patches: int | None, more: int = MORE_PATCHES) -> int:
+    """About how many patches a scene gets where so many are asked for (None: so many `more` than triangles)."""
+    return triangles + more if patches is None else patches
 
 
 def camera_to_core(camera: Camera) -> _core.Camera:

@@ -10,6 +10,7 @@ from .core import wanted_patches
 from .pace import RAYS_PER_STEP
 from .scene import Mesh, Scene
 from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, Settings
+from .trial import MOST_PATCHES
 from .work import FEWEST_REPLICAS
 
 PROGRAM = 65 << 20  # bytes of Python, numpy and the core
@@ -22,7 +23,7 @@ BYTES_PER_PATCH_AND_BUNDLE, LEAST_BUNDLES, MOST_BUNDLES, BUNDLES = 28, 8, 64, 25
 def expected(scene: Scene, settings: Settings) -> int:
     """Bytes that a render of `scene` takes at most, within a quarter or so."""
     triangles = sum(len(mesh.triangles) for mesh in scene.meshes)
-    patches = max(triangles, wanted_patches(triangles, settings.patches, many=settings.wants_adaptive and settings.is_long))
+    patches = max(triangles, wanted_patches(triangles, settings.patches, settings.more_patches))
     cameras = settings.cameras(scene)
     glossy = [mesh for mesh in scene.meshes if mesh.material in scene.materials and max(scene.materials[mesh.material].specular) > 0]
     glossy_patches = float(sum(len(mesh.triangles) for mesh in glossy))
@@ -31,14 +32,18 @@ def expected(scene: Scene, settings: Settings) -> int:
         by_area = patches > 1.1 * triangles
         glossy_patches += (patches - triangles) * (_area(glossy) / _area(scene.meshes) if by_area else 1.0)
     bundle = patches * BYTES_PER_PATCH_AND_BUNDLE
-    may_be_bundles = settings.first_transport == "bundles" or (settings.is_free and settings.is_long)
+    is_tried = settings.is_free and patches <= MOST_PATCHES
+    may_be_bundles = settings.first_transport == "bundles" or is_tried
     step = RAYS_PER_STEP if settings.rays is None else min(RAYS_PER_STEP, settings.rays // FEWEST_REPLICAS)
+    session = (
+        triangles * BYTES_PER_TRIANGLE
+        + patches * BYTES_PER_PATCH
+        + glossy_patches * (BYTES_PER_GLOSSY_PATCH + len(cameras) * BYTES_PER_GLOSSY_PATCH_AND_CAMERA)
+    )
     return int(
         PROGRAM
         + step * BYTES_PER_RAY
-        + triangles * BYTES_PER_TRIANGLE
-        + patches * BYTES_PER_PATCH
-        + glossy_patches * (BYTES_PER_GLOSSY_PATCH + len(cameras) * BYTES_PER_GLOSSY_PATCH_AND_CAMERA)
+        + session * (2 if is_tried else 1)
         + (max(min(BUNDLES, MOST_BUNDLES * bundle), LEAST_BUNDLES * bundle) if may_be_bundles else 0)
         + sum(camera.width * camera.height for camera in cameras) * BYTES_PER_PIXEL
     )

@@ -17,13 +17,13 @@ from .error_bars import errors
 from .errors import SettingsError
 from .explanation import Explanation, explain, why_auto
 from .memory import expected
-from .pace import RAYS_PER_SAMPLE, WorkClock, pace_of
+from .pace import RAYS_PER_SAMPLE, WorkClock
 from .progress import Progress
 from .result import Patches, Result
 from .scene import FloatArray, Scene
 from .schedule import Schedule
 from .settings import MOST_GATHERING, QUALITIES, Settings
-from .trial import SHORTEST_WITH_TRIAL, has_time_for_trial
+from .trial import OTHER
 from .work import Work
 
 WORTH_SAYING = 0.02  # share of flagged areas; up to half of it comes by chance
@@ -66,8 +66,8 @@ def render(
     """Render `scene` by shooting light.
 
     transport: `rays` (shoot from a solved state), `walk` (random walks from the lights) or `bundles` (the whole scene at once along one
-    direction after the other); None: `rays`, or `bundles` where a trial finds them better, which a time of 30 s or a quality that takes
-    as long at 5 M rays/s begins with.
+    direction after the other); None: `rays`, or with a time or a quality `bundles`, where rays are slow to solve and a trial finds these
+    better.
     areas: `patches` or `pixels`, where the light in gloss is measured. estimator: `auto`,
     `weighted`, `regression` or `classical`. defensive: share of rays that starts anywhere, 0..1 (None: chosen by scene and
     estimator). gather: gathering rays for every glossy area in view per 2^20 shooting rays or 1024 directions, under one
@@ -75,8 +75,8 @@ def render(
     weight_diffuse: weigh diffuse light, too (None: where the estimator
     is `auto` and defensive rays cover all directions). first_shot: compute direct light apart. One budget: rays (shooting rays),
     directions (of bundles), time (s, from `started` until the picture is complete) or error (relative); with none,
-    `quality` (draft, medium, high) sets the work. patches: how many, about (None: 20,000 more than there are triangles; 150,000 more
-    where they are adaptive and the time is 20 s or more or the quality high). adaptive: a short look at the light makes them small
+    `quality` (draft, medium, high) sets the work. patches: how many, about (None: 20,000 more than there are triangles; up to
+    150,000 more where they are adaptive and the time is long or the quality high). adaptive: a short look at the light makes them small
     where it varies, above all in view; else, and with bundles, all are about as large (None: in all but short renders, by a
     draft or of less than 4 s or 4 M rays). camera: a name, `all`, or None for the first. size: (width, height) in pixels.
     threads: 0 for all. layers: names that the result must have. window: pixels of an edge of
@@ -102,13 +102,13 @@ def render(
     cameras = settings.cameras(scene)
     views = [camera_to_core(c) for c in cameras]
     even, left_out = to_core(scene, patches)
-    many = wanted_patches(even.triangles, patches, many=settings.is_long)
+    adaptive_patches = wanted_patches(even.triangles, patches, settings.more_patches) if settings.wants_adaptive else 0
 
-    def session(adaptive_patches: int) -> _core.Session:
+    def session(transport: str, adaptive_patches: int) -> _core.Session:
         return _core.Session(
             scene=even,
             cameras=views,
-            transport=settings.first_transport,
+            transport=transport,
             areas=areas,
             estimator=estimator,
             defensive=-1.0 if defensive is None else defensive,
@@ -126,37 +126,33 @@ def render(
         )
 
     pixels = sum(c.width * c.height for c in cameras)
-    adaptive = settings.wants_adaptive
-    seconds = _seconds(settings, even, max(even.patches, many) if adaptive else even.patches, pixels)
-    # Bundles, which may be chosen in a trial, know even patches alone.
-    is_tried = settings.is_free and has_time_for_trial(seconds)
-    work = Work(
-        session(many if adaptive and not is_tried else 0), len(cameras), pixels, settings.first_transport, iteration == "plain", window
-    )
-    schedule = Schedule(work, is_tried, started, progress, interrupted or (lambda: False))
-    if adaptive:
-        schedule.refine = lambda: session(many)
-    schedule.why = _why_first(settings, seconds)
+    first = settings.first_transport
+    at = Work(session(first, adaptive_patches), len(cameras), pixels, first, iteration == "plain", window)
+    schedule = Schedule(at, started, progress, interrupted or (lambda: False))
+    if settings.is_free:
+        schedule.other = lambda: session(OTHER, 0)
+    else:
+        schedule.why = _why_first(settings)
 
     def result(explained: bool) -> Result:
-        session, core = work.session, work.session.scene
+        session, core = schedule.at.session, schedule.at.session.scene
         pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
         schedule.error = math.hypot(*errors(session, len(cameras)))
         stats = _stats(session, schedule, clock.monotonic() - started, core)
         if estimator == "auto":
             stats["why_estimator"] = why_auto(session, cameras)
-        used = replace(settings, transport=work.transport)
+        used = replace(settings, transport=schedule.at.transport)
         notes = (*scene.notes, *framed, *left_out, *_dark(scene, pictures), *_uncovered(used, stats), *_bundled(used, stats))
         story = _explanation(core, session, scene, used, stats) if explained else None
         return Result(pictures, _patches(core, session, scene), _metadata(scene, settings, stats), stats, notes, story)
 
     if draft:
         schedule.draft = lambda: draft(result(explained=False))
-    _work(schedule, settings, seconds)
+    _work(schedule, settings)
     return result(explain)
 
 
-def _work(schedule: Schedule, settings: Settings, seconds: float | None) -> None:
+def _work(schedule: Schedule, settings: Settings) -> None:
     """Do what the budget asks for; with none, what the quality does."""
     if settings.time is not None:
         schedule.by_time(settings.time)
@@ -165,30 +161,18 @@ def _work(schedule: Schedule, settings: Settings, seconds: float | None) -> None
     elif given := settings.rays or settings.directions:
         schedule.by_work(given, QUALITIES[settings.quality].samples)
     else:
-        assert seconds is not None
-        schedule.by_quality(seconds)
+        quality, pace, patches = QUALITIES[settings.quality], schedule.at.pace, schedule.at.patches
+        units = quality.directions if pace.unit == "directions" else max(quality.rays, quality.rays_per_patch * patches)
+        schedule.by_quality((units * pace.rays + RAYS_PER_SAMPLE * quality.samples * schedule.at.pixels) / WorkClock.SPEED)
 
 
-def _seconds(settings: Settings, scene: _core.Scene, patches: int, pixels: int) -> float | None:
-    """How long the budget is on its clock: that of the machine, or by a quality that of the work; None where work or an error is given."""
-    if settings.time is not None or settings.error or settings.rays or settings.directions:
-        return settings.time
-    quality = QUALITIES[settings.quality]
-    pace = pace_of(settings.first_transport, scene, settings.window, plain=settings.iteration == "plain")
-    units = quality.directions if pace.unit == "directions" else max(quality.rays, quality.rays_per_patch * patches)
-    return (units * pace.rays + RAYS_PER_SAMPLE * quality.samples * pixels) / WorkClock.SPEED
-
-
-def _why_first(settings: Settings, seconds: float | None) -> str:
-    """Why a render begins with the transport that it begins with."""
+def _why_first(settings: Settings) -> str:
+    """Why a render begins with its transport, and stays with it."""
     if settings.transport is not None:
         return "as asked for"
     if settings.beyond_bundles:
         return f"by default, since bundles have no {settings.beyond_bundles}"
-    if seconds is None:
-        return "by default, since " + ("an error" if settings.error else "its work") + " is given"
-    work = "" if settings.time is not None else f" of work at {WorkClock.SPEED / 1e6:g} M rays/s"
-    return f"by default, since {seconds:.3g} s{work} are less than the {SHORTEST_WITH_TRIAL:g} s from which on others are tried"
+    return "by default, since " + ("an error" if settings.error else "its work") + " is given"
 
 
 def describe(scene: Scene, patches: int | None = None) -> dict[str, Any]:
@@ -313,6 +297,7 @@ def _stats(session: _core.Session, schedule: Schedule, seconds: float, core: _co
         **session.stats,
         "transport": schedule.at.transport,
         "why_transport": schedule.why,
+        "division": schedule.division,
         f"{schedule.at.pace.unit}_per_s": schedule.at.speed,
         "time": seconds,
         "error": schedule.error,

@@ -5,16 +5,15 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from . import _core
 from .error_bars import errors
 from .pace import WorkClock
 from .progress import Phase, Progress
-from .trial import TRIAL_SHARE, best_transport
-from .work import FEWEST_REPLICAS, Work
+from .trial import MOST_PATCHES, OTHER, SOLVE_HARD, is_better, trial_seconds
+from .work import FEWEST_REPLICAS, SOLVE_SHARE, Work
 
-SOLVE_SHARE = 0.25  # of a replica's time, for its own solution by power (transports `rays` and `bundles`)
 SHOOT_SHARE = 0.4  # of the time that is left after the scene is ready, while nothing is known of it
 SHOOT_SHARES = (0.3, 0.6)  # that a look may choose: what is rare, it has not seen, and between these the error hardly changes
 LOOK_AFTER = 3  # replicas, a first look at the pictures divides the time
@@ -33,15 +32,15 @@ class Schedule:
     picture, and when they hold a better one after twice the time; `started` is on time.monotonic()."""
 
     at: Work
-    free: bool  # shall the transport be chosen in a trial?
     started: float
     show: Callable[[Progress], None] | None = None
     interrupted: Callable[[], bool] = lambda: False
     draft: Callable[[], None] | None = None
-    refine: Callable[[], _core.Session] | None = None  # makes a session of adaptive patches, for the transports that know them
+    other: Callable[[], _core.Session] | None = None  # makes a session of the transport to try, where another may be chosen
     error: float = math.nan
     was_interrupted: bool = False
-    why: str = ""  # the transport was chosen
+    why: str = "by default, since there was no time for a look at what another would bring"  # the transport was chosen
+    division: str = ""  # of the time between shooting and seeing, in words
     _drafted: float = field(default=0.0, init=False)  # seconds after the start
     _begun: float = field(default=0.0, init=False)  # on the clock of the work: the start,
     _end: float = field(default=math.inf, init=False)  # and the end
@@ -76,31 +75,42 @@ class Schedule:
         end = self._end = self._begun + seconds
         if seconds >= SHORTEST_WITH_DRAFT:
             self._first_draft()
-        if self.free:
-            self._choose_transport(seconds * TRIAL_SHARE)
-        begin = self.at.clock.now()
-        stop = begin + max(0.0, end - begin) * SHOOT_SHARE
-        replicas, replica = 1, 0
-        while replica < replicas and not (replica > 0 and self._stop()):
-            # The start of the first replica tells what a start costs, and its first step how fast work is.
-            before = self.at.clock.now()
-            slot = max(0.0, stop - before) / (replicas - replica)
-            self.at.begin(self.at.pilot_rays(seconds) if replica == 0 else int(slot * SOLVE_SHARE * self.at.solve_speed))
-            if replica == 0:
-                started = self.at.clock.now() - before
-                self.at.first_step(seconds)
-                replicas = self.at.replicas(int((stop - begin) * self.at.step_speed), int((stop - begin) / 4 / max(started, 1e-3)))
-                slot = (stop - begin) / replicas
-            self.at.steps_until(before + slot, self._stop_or_tell)
-            self.at.session.end_replica()
-            replica += 1
-            self._draft_of_fields()
-            if replica == LOOK_AFTER and replicas > LOOK_AFTER:
-                each = (self.at.clock.now() - begin) / replica
-                stop = begin + (end - begin) * self._shoot_share(end)
-                replicas = replica + max(0, round((stop - self.at.clock.now()) / each))
+        if not self._shoot(end):
+            self._shoot(end)
         self.at.session.reconstruct()
         self._see_until(end)
+
+    def _shoot(self, end: float) -> bool:
+        """Replicas, for their share of the time until `end`. Gives False if another transport was found better on the way, which then has
+        to begin."""
+        begin = self.at.clock.now()
+        seconds = max(0.0, end - begin)
+        stop = begin + seconds * SHOOT_SHARE
+        self.division = f"{SHOOT_SHARE:.0%} for shooting and the rest for seeing, since there was no time for a look at the error of each"
+        replicas, replica, start = 1, 0, 0.0
+        while replica < replicas and not (replica > 0 and self._stop()):
+            slot = max(0.0, stop - self.at.clock.now()) / (replicas - replica)
+            if replica > 0:
+                self.at.replica(slot, self._stop_or_tell)
+            else:
+                # The start of the first replica tells what a start costs, and its first step how fast work is.
+                self.at.begin(self.at.pilot_rays(seconds))
+                start = self.at.shot
+                self.at.first_step(seconds)
+                replicas = self.at.replicas(int((stop - begin) * self.at.step_speed), int((stop - begin) / 4 / max(start, 1e-3)))
+                self.at.steps_until(begin + (stop - begin) / replicas, self._stop_or_tell)
+                self.at.session.end_replica()
+            replica += 1
+            self._draft_of_fields()
+            each = (self.at.clock.now() - begin) / replica
+            if replica == LOOK_AFTER and replicas > LOOK_AFTER and (needed := self._look(end)) is not None:
+                if self._another_is_better(needed, start, each):
+                    return False
+                share = min(SHOOT_SHARES[1], max(SHOOT_SHARES[0], needed))
+                stop = begin + seconds * share
+                self.division = f"{share:.0%} for shooting and the rest for seeing, by a look at the error of each"
+                replicas = replica + max(0, round((stop - self.at.clock.now()) / each))
+        return True
 
     def by_error(self, target: float) -> None:
         """Double the work until the estimated error of the pictures is below `target`."""
@@ -175,13 +185,26 @@ class Schedule:
         """Samples of the next pass after `done` samples: as many again."""
         return max(1, min(done, PASS_SAMPLES))
 
-    def _choose_transport(self, seconds: float) -> None:
-        """Go on with the transport that brings the least error in the same time; what the trials, of so many seconds each, shot is
-        forgotten."""
-        best, self.why = best_transport(self.at, seconds, self._stop_or_tell)
-        self.at.use(best)
-        if self.refine and best != "bundles" and not self.was_interrupted:
-            self.at.session = self.refine()
+    def _another_is_better(self, needed: float, start: float, replica: float) -> bool:
+        """Where rays need a large share of the time, so that another transport may be worth more, try it; go on with it if it is. `start`
+        and `replica` are the seconds that a replica takes in all, and before it measures."""
+        if self.other is None:
+            return False
+        seconds = trial_seconds(start, self._end - self._begun)
+        if needed < SOLVE_HARD:
+            self.why = (
+                f"by default, since a look says that to solve takes {needed:.0%} of the time; from {SOLVE_HARD:.0%} on others are tried"
+            )
+        elif not seconds:
+            self.why = "by default, since a trial of others would take too long"
+        elif self.at.patches > MOST_PATCHES:
+            self.why = f"by default, since others are tried up to {MOST_PATCHES:,} patches"
+        else:
+            other, self.other = replace(self.at, session=self.other(), transport=OTHER), None
+            better, self.why = is_better(other, self.at, seconds, lambda: self.at.replica(replica, self._stop_or_tell), self._stop_or_tell)
+            self.at = other if better else self.at
+            return better
+        return False
 
     def _first_draft(self) -> None:
         """A picture of few rays, soon after the start. What it shot is forgotten, so that the result is the same without it."""
@@ -217,21 +240,22 @@ class Schedule:
         self.draft()
         self._drafted = time.monotonic() - self.started
 
-    def _shoot_share(self, end: float) -> float:
-        """The share of the time for shooting that makes the sum of both squared errors least, as a first look at the pictures tells.
+    def _look(self, end: float) -> float | None:
+        """The share of the time for shooting that makes the sum of both squared errors least, as a first look at the pictures tells; None
+        where that would take too long.
 
         With errors that fall as 1/time, shooting and seeing should take times in proportion to the square roots of error^2 time.
         """
         if end - self.at.clock.now() < SHORTEST_LOOK:
-            return SHOOT_SHARE
+            return None
         self.at.session.reconstruct()
         seeing = sum(self.at.timed_see(LOOK_SAMPLES) for _ in range(FEWEST_PASSES))
         if seeing > 0.1 * (end - self._begun):
-            return SHOOT_SHARE
+            return None
         solution, eye = errors(self.at.session, self.at.cameras)
         self.error = math.hypot(solution, eye)
         shoot, see = solution * math.sqrt(self.at.shot), eye * math.sqrt(seeing)
-        return min(SHOOT_SHARES[1], max(SHOOT_SHARES[0], shoot / (shoot + see))) if shoot + see > 0 else SHOOT_SHARE
+        return shoot / (shoot + see) if shoot + see > 0 else SHOOT_SHARE
 
     def _fraction(self) -> float:
         """Of the time of the budget."""

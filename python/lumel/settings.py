@@ -10,6 +10,7 @@ from numbers import Integral, Real
 from typing import Literal
 
 from . import _core
+from .core import MORE_PATCHES
 from .errors import Problem, SettingsError, nearest
 from .result import DIAGNOSTICS, LAYERS
 from .scene import Camera, Scene
@@ -17,7 +18,8 @@ from .scene import Camera, Scene
 TRANSPORTS = ("rays", "walk", "bundles")
 DEFAULT_TRANSPORT = "rays"
 LONGEST = 1e8  # s that a time may be
-LONG = 20.0  # s of a render from which on many patches pay
+MOST_MORE_PATCHES = 150_000  # than triangles, where no number is given and they are adaptive,
+PATCHES_TIME = 16.0  # s of all threads from which on more than MORE_PATCHES pay, in proportion to the power 2/3 of the time
 ADAPTIVE_TIME, ADAPTIVE_RAYS = 4.0, 4_000_000  # s and rays from which on adaptive ones pay
 ITERATIONS = ("frozen", "plain")
 WINDOWS = (16, 4096)  # least and most pixels of an edge
@@ -111,8 +113,8 @@ class Settings:
 
     @property
     def is_free(self) -> bool:
-        """May another transport be chosen? Not where one is asked for, nor what only the first one has."""
-        return self.transport is None and self.beyond_bundles is None
+        """May another transport be chosen? Not where one is asked for, nor what only the first one has, nor work or an error."""
+        return self.transport is None and self.beyond_bundles is None and not (self.rays or self.directions or self.error)
 
     @property
     def beyond_bundles(self) -> str | None:
@@ -125,10 +127,17 @@ class Settings:
         return next((name for name, is_asked in asked.items() if is_asked), None)
 
     @property
-    def is_long(self) -> bool:
-        """Is there so much to do that many patches, and a look at the light to place them, pay?"""
-        by_quality = self.quality == "high" and not (self.rays or self.directions or self.time or self.error)
-        return by_quality or (self.time is not None and self.time >= LONG)
+    def more_patches(self) -> int:
+        """How many more patches than triangles the budget pays for, where they are adaptive.
+
+        The error of patches falls as a power of their number, and the noise of the light on each grows with it; see docs/results.md.
+        """
+        if not self.wants_adaptive:
+            return MORE_PATCHES
+        if self.time is not None:
+            pay = MORE_PATCHES * max(1.0, self.time * self.thread_count() / PATCHES_TIME) ** (2 / 3)
+            return int(min(pay, MOST_MORE_PATCHES))
+        return MOST_MORE_PATCHES if self.quality == "high" and not (self.rays or self.directions or self.error) else MORE_PATCHES
 
     @property
     def wants_adaptive(self) -> bool:

@@ -1,61 +1,64 @@
-"""Which transport a scene is best rendered by: each is tried for a while."""
+"""Whether another transport is better for a scene: it is tried for a while."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
-from .error_bars import pictures, squared_difference
+from .error_bars import Doubles, pictures, squared_difference
 from .work import Work
 
-TRIED = ("rays", "bundles")
-SHORTEST_WITH_TRIAL = 30.0  # s on the clock of the budget that a render must have to begin with a trial of them
-TRIAL_SHARE, TRIAL_REPLICAS = 0.02, 3  # of the time for the trial of each
+OTHER = "bundles"  # is tried where rays, which all renders begin with, are slow to solve
+SOLVE_HARD = 0.6  # of the time, which rays need where that is so
+TRIAL_SHARE = 0.03  # of the time of a render for a trial; where starting takes long, it is
+STARTS = 2  # times as long as the start of a replica, for each,
+LONGEST_SHARE = 0.15  # but there is none that would take more
+TRIAL_REPLICAS = 2
+MOST_PATCHES = 1 << 19  # that a scene may have, since a trial needs memory of its own
 CLEARLY = 0.5  # of the error of `rays` times time: what is less pays, though patches are even and what all pictures have wrong is not seen
 
 
-def has_time_for_trial(seconds: float | None) -> bool:
-    """Is there a budget on a clock, and is it long enough to try transports at the start?"""
-    return seconds is not None and seconds >= SHORTEST_WITH_TRIAL
+def trial_seconds(start: float, seconds: float) -> float:
+    """How long a trial takes in a render of so many seconds, where a replica takes `start` seconds before it measures; 0: there is none."""
+    wanted = max(TRIAL_SHARE * seconds, TRIAL_REPLICAS * STARTS * start)
+    return wanted if wanted <= LONGEST_SHARE * seconds else 0.0
 
 
-def best_transport(work: Work, seconds: float, stop: Callable[[], bool]) -> tuple[str, str]:
-    """Try each transport for so many seconds of the clock; gives the one that brings the least error in the same time, and why.
-    `stop` is asked between steps."""
-    first, *others = TRIED
-    cost = {transport: try_transport(work, transport, seconds, stop) for transport in TRIED}
+def is_better(other: Work, work: Work, seconds: float, replica: Callable[[], None], stop: Callable[[], bool]) -> tuple[bool, str]:
+    """Try `other` for so many seconds of the clock against `work`, which makes one more `replica` meanwhile: does it bring clearly less
+    error in the same time? And why. `stop` is asked between steps. What `other` shot is forgotten."""
+    # The fewer patches, the more light each has to tell its own from, and `other` has even ones: fewer, where the time is long.
+    present = error_times_seconds(work, replica) * other.patches / work.patches
+    other.begin(other.pilot_rays(seconds))
+    other.first_step(seconds)
+    other.steps_until(other.clock.now() + seconds / TRIAL_REPLICAS - other.shot, stop)
+    other.session.end_replica()
+    found = error_times_seconds(other, lambda: other.replica(seconds / TRIAL_REPLICAS, stop))
+    other.forget()
     if stop():
-        return first, "by default, since the trial of others was interrupted"
-    if math.isinf(cost[first]):
-        return first, "by default, since a trial saw no light"
-    best = min((t for t in others if cost[t] < CLEARLY * cost[first]), key=cost.__getitem__, default=first)
-    compared = ", ".join(f"{cost[t] / max(cost[best], 1e-30):.2g} times that of {best} with {t}" for t in TRIED if t != best)
-    return best, f"in a trial the squared error at equal time was {compared}"
+        return False, "by default, since a trial of others was interrupted"
+    better = found < CLEARLY * present
+    many, few = (present, found) if better else (found, present)
+    first, second = (other, work) if better else (work, other)
+    ratio = many / max(few, 1e-300)
+    return better, f"in a trial the squared error at equal time was {ratio:.2g} times that of {first.transport} with {second.transport}"
 
 
-def try_transport(work: Work, transport: str, seconds: float, stop: Callable[[], bool]) -> float:
-    """Squared relative error of the solution that a transport reaches, times the seconds that this took; infinite where it shows no light,
-    or was stopped.
+def error_times_seconds(work: Work, replica: Callable[[], None]) -> float:
+    """Squared relative error of the solution after one more `replica`, times the seconds in which it was measured; infinite where it shows
+    no light.
 
-    The error is what a last replica changes in the pictures. Error bars take patches as independent, but those that a bundle meets are
+    The error is what that replica changes in the pictures. Error bars take patches as independent, but those that a bundle meets are
     not: smoothing makes the bars smaller, and the error stays (docs/results.md).
     """
-    work.use(transport)
-    seen = []
-    for replica in range(TRIAL_REPLICAS):
-        until = work.clock.now() + seconds / TRIAL_REPLICAS
-        work.begin(work.pilot_rays(seconds))
-        if replica == 0:
-            work.first_step(seconds)
-        work.steps_until(until, stop)
-        work.session.end_replica()
-        if stop():
-            return math.inf
-        if replica >= TRIAL_REPLICAS - 2:
-            # Fields made anew are seen by the same samples as those before, whose noise falls out of the difference.
-            work.session.reconstruct()
-            work.timed_see(1)
-            seen.append(pictures(work.session, work.cameras))
-
+    before = _seen(work)
+    replica()
     # A mean M of n samples of variance V is off by V / n; it differs from the one before by E (M_n - M_{n-1})^2 = V / (n (n - 1)).
-    return squared_difference(*seen) * (TRIAL_REPLICAS - 1) * work.shot
+    return squared_difference(before, _seen(work)) * (int(str(work.session.stats["replicas"])) - 1) * work.stepped
+
+
+def _seen(work: Work) -> list[Doubles]:
+    """Pictures of the solution so far. Fields made anew are seen by the same samples as those before, whose noise falls out of a
+    difference."""
+    work.session.reconstruct()
+    work.timed_see(1)
+    return pictures(work.session, work.cameras)

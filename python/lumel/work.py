@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from . import _core
 from .pace import RAYS_PER_SAMPLE, Clock, Pace, WallClock, pace_of
 
+SOLVE_SHARE = 0.25  # of a replica's time, for its own solution by power (transports `rays` and `bundles`)
 REPLICAS = 16  # independent solves that error bars rest on
 FEWEST_REPLICAS = 4
 LARGEST_SOLVE = (1 << 21, 4)  # rays of the solve of a replica, or rays a patch if that is more
@@ -30,7 +31,8 @@ class Work:
     window: int | None = None  # of bundles, pixels of an edge
     clock: Clock = field(default_factory=WallClock)  # of the budget
     shot: float = field(default=0.0, init=False)  # seconds of that clock spent shooting
-    shooting_s: float = field(default=0.0, init=False)  # the same by the wall
+    stepped: float = field(default=0.0, init=False)  # of these, in steps: what is measured
+    shooting_s: float = field(default=0.0, init=False)  # spent shooting, by the wall
     step_speed: float = field(default=0.0, init=False)  # work a second of the last step
     solve_speed: float = field(default=0.0, init=False)  # rays a second of the last solve,
     solved: int = field(default=0, init=False)  # and its rays
@@ -57,10 +59,10 @@ class Work:
 
     # Shooting
 
-    def use(self, transport: str) -> None:
-        """Forget what was shot, and go on with a transport."""
-        self.session.change_transport(transport)
-        self.transport, self.shooting_s, self.shot, self.step_speed, self.solve_speed = transport, 0.0, 0.0, 0.0, 0.0
+    def forget(self) -> None:
+        """Forget what was shot."""
+        self.session.forget()
+        self.shot = self.stepped = self.shooting_s = 0.0
 
     def begin(self, rays: int) -> None:
         """Start a replica, with a solve of about `rays` rays."""
@@ -83,6 +85,7 @@ class Work:
             return work * self.pace.rays
 
         seconds = self._shoot(step)
+        self.stepped += seconds
         self.step_speed = (self.done - before) / seconds
         if self.transport == "rays":
             self.solve_speed = self.step_speed
@@ -90,6 +93,13 @@ class Work:
     def first_step(self, seconds: float) -> None:
         """A small step, which tells how fast work is where there are so many seconds in all."""
         self.step(max(self.pace.least, int(self.pilot_rays(seconds) / self.pace.rays)))
+
+    def replica(self, seconds: float, stop: Callable[[], bool]) -> None:
+        """A replica of so many seconds, where the speed of work is known; `stop` is asked between steps."""
+        until = self.clock.now() + seconds
+        self.begin(int(seconds * SOLVE_SHARE * self.solve_speed))
+        self.steps_until(until, stop)
+        self.session.end_replica()
 
     def steps_until(self, until: float, stop: Callable[[], bool]) -> None:
         """Take as many steps, as large as may be, as fit before the time `until`; at least one in a replica. `stop` is asked between."""

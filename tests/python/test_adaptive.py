@@ -58,13 +58,3 @@ def test_all_but_short_renders_look_at_the_light_by_default() -> None:
     assert not Settings(time=30.0, transport="bundles").wants_adaptive
     assert not Settings(time=30.0, adaptive=False).wants_adaptive
     assert Settings(adaptive=True).wants_adaptive
-
-
-def test_what_is_chosen_in_a_trial_gets_adaptive_patches(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lumel.trial.SHORTEST_WITH_TRIAL", 1.0)
-    monkeypatch.setattr("lumel.settings.ADAPTIVE_TIME", 1.0)
-    for best in ("rays", "bundles"):
-        monkeypatch.setattr("lumel.trial.try_transport", lambda _work, transport, _s, _stop, best=best: float(transport != best))
-        result = lumel.render(lumel.load("lumel:cornell"), time=1.5, size=(16, 12), patches=3000)
-        assert result.stats["transport"] == best
-        assert result.stats["adaptive"] == (best == "rays")

@@ -25,6 +25,8 @@ def show(result: Result, files: Sequence[Path], *, as_json: bool) -> None:
         print(line)
     if why := result.stats.get("why_transport"):
         print(f"transport {result.stats['transport']}: {why}")
+    if division := result.stats.get("division"):
+        print(f"time: {division}")
     if why := result.stats.get("why_estimator"):
         print(f"estimator auto: {why}")
     if "directions" in result.stats:

@@ -45,13 +45,6 @@ public:
     const std::vector<Camera>& cameras() const { return cameras_; }
     Solver& solver() { return *solver_; }
     Transport transport() const { return config_.solver.transport; }
-    /// Forget what was shot and go on with another transport. Throws std::invalid_argument for bundles where patches are adaptive.
-    void change_transport(Transport transport) {
-        if (transport == Transport::kBundles && !scene_.tessellation().is_uniform())
-            throw std::invalid_argument("bundles need a uniform tessellation");
-        config_.solver.transport = transport;
-        solver_->change_transport(transport);
-    }
     Isa isa() const { return config_.isa; }
     bool is_plain() const { return transport() == Transport::kBundles && config_.solver.iteration == Iteration::kPlain; }
 

@@ -138,11 +138,6 @@ void Solver::forget() {
     reflections_ = kReflections;
 }
 
-void Solver::change_transport(Transport transport) {
-    forget();
-    config_.transport = transport;
-}
-
 SolverStats Solver::stats() const {
     SolverStats all = stats_;
     if (bundles_) all.rays += bundles_->rays(), all.bundles += bundles_->stats();

@@ -63,8 +63,6 @@ public:
     void end_replica();
     /// Go back to the start, as if no replica had been made.
     void forget();
-    /// The same, and go on with another transport.
-    void change_transport(Transport transport);
 
     /// Steps made in the replica under way.
     uint64_t steps() const { return steps_; }
