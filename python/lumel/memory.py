@@ -6,11 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .core import wanted_patches
+from .core import MORE_PATCHES, wanted_patches
 from .pace import RAYS_PER_STEP
 from .scene import Mesh, Scene
 from .settings import BYTES_PER_PATCH, BYTES_PER_PIXEL, Settings
-from .trial import MOST_PATCHES
 from .work import FEWEST_REPLICAS
 
 PROGRAM = 65 << 20  # bytes of Python, numpy and the core
@@ -32,18 +31,15 @@ def expected(scene: Scene, settings: Settings) -> int:
         by_area = patches > 1.1 * triangles
         glossy_patches += (patches - triangles) * (_area(glossy) / _area(scene.meshes) if by_area else 1.0)
     bundle = patches * BYTES_PER_PATCH_AND_BUNDLE
-    is_tried = settings.is_free and patches <= MOST_PATCHES
-    may_be_bundles = settings.first_transport == "bundles" or is_tried
+    # A trial of bundles casts few at once. Long renders may go on with them.
+    may_be_bundles = settings.first_transport == "bundles" or (settings.is_free and settings.more_patches > MORE_PATCHES)
     step = RAYS_PER_STEP if settings.rays is None else min(RAYS_PER_STEP, settings.rays // FEWEST_REPLICAS)
-    session = (
-        triangles * BYTES_PER_TRIANGLE
-        + patches * BYTES_PER_PATCH
-        + glossy_patches * (BYTES_PER_GLOSSY_PATCH + len(cameras) * BYTES_PER_GLOSSY_PATCH_AND_CAMERA)
-    )
     return int(
         PROGRAM
         + step * BYTES_PER_RAY
-        + session * (2 if is_tried else 1)
+        + triangles * BYTES_PER_TRIANGLE
+        + patches * BYTES_PER_PATCH
+        + glossy_patches * (BYTES_PER_GLOSSY_PATCH + len(cameras) * BYTES_PER_GLOSSY_PATCH_AND_CAMERA)
         + (max(min(BUNDLES, MOST_BUNDLES * bundle), LEAST_BUNDLES * bundle) if may_be_bundles else 0)
         + sum(camera.width * camera.height for camera in cameras) * BYTES_PER_PIXEL
     )

@@ -182,8 +182,8 @@ class Schedule:
 
     @staticmethod
     def _next_pass(done: int) -> int:
-        """Samples of the next pass after `done` samples: as many again."""
-        return max(1, min(done, PASS_SAMPLES))
+        """Samples of the next pass after `done` samples: as many again, and two at least: one that missed a small lamp is no measure."""
+        return max(2, min(done, PASS_SAMPLES))
 
     def _another_is_better(self, needed: float, start: float, replica: float) -> bool:
         """Where rays need a large share of the time, so that another transport may be worth more, try it; go on with it if it is. `start`

@@ -13,7 +13,7 @@ TRIAL_SHARE = 0.03  # of the time of a render for a trial; where starting takes 
 STARTS = 2  # times as long as the start of a replica, for each,
 LONGEST_SHARE = 0.15  # but there is none that would take more
 TRIAL_REPLICAS = 2
-MOST_PATCHES = 1 << 19  # that a scene may have, since a trial needs memory of its own
+MOST_PATCHES = 1 << 19  # that a scene may have, since a trial needs memory for them of its own
 CLEARLY = 0.5  # of the error of `rays` times time: what is less pays, though patches are even and what all pictures have wrong is not seen
 
 

@@ -50,12 +50,9 @@ def test_it_grows_with_patches_cameras_pixels_and_bundles() -> None:
     least = expected(scene, Settings(patches=PATCHES))
     views = tuple(replace(scene.cameras[0], name=name) for name in ("left", "right"))
     assert expected(replace(scene, cameras=views), Settings(patches=PATCHES, camera="all")) > least
-    few, many = (expected(scene, Settings(patches=n, transport="rays")) for n in (PATCHES, 10 * PATCHES))
-    assert many > 3 * few
-    # What may be tried beside it takes a session of its own.
-    assert least > 1.3 * few
+    assert expected(scene, Settings(patches=10 * PATCHES)) > 3 * least
     assert expected(scene, Settings(patches=PATCHES, size=(4000, 3000))) > least
-    assert expected(scene, Settings(patches=PATCHES, transport="bundles")) > few
+    assert expected(scene, Settings(patches=PATCHES, transport="bundles")) > least
 
 
 @pytest.mark.parametrize("vertices", [np.zeros((0, 3)), np.zeros((1, 3)), np.full((3, 3), np.nan), np.full((3, 3), 1e38)])
