@@ -16,6 +16,7 @@ from .work import FEWEST_REPLICAS, SOLVE_SHARE, Work
 
 SHOOT_SHARE = 0.4  # of the time that is left after the scene is ready, while nothing is known of it
 SHOOT_SHARES = (0.3, 0.6)  # that a look may choose: what is rare, it has not seen, and between these the error hardly changes
+FEWEST_WITH_SPREAD = 2  # replicas that tell an error
 LOOK_AFTER = 3  # replicas, a first look at the pictures divides the time
 LOOK_SAMPLES = 2  # a pixel and pass of that look
 SHORTEST_LOOK = 1.0  # s that must be left for a look to pay
@@ -87,11 +88,14 @@ class Schedule:
         seconds = max(0.0, end - begin)
         stop = begin + seconds * SHOOT_SHARE
         self.division = f"{SHOOT_SHARE:.0%} for shooting and the rest for seeing, since there was no time for a look at the error of each"
-        replicas, replica, start = 1, 0, 0.0
+        replicas, replica, start, each = 1, 0, 0.0, 0.0
         while replica < replicas and not (replica > 0 and self._stop()):
             slot = max(0.0, stop - self.at.clock.now()) / (replicas - replica)
+            # Replicas count alike, so what has no time to solve as well as the others must not begin.
+            if replica >= FEWEST_WITH_SPREAD and slot < each / 2:
+                break
             if replica > 0:
-                self.at.replica(slot, self._stop_or_tell)
+                self.at.replica(max(slot, each / 2), self._stop_or_tell)
             else:
                 # The start of the first replica tells what a start costs, and its first step how fast work is.
                 self.at.begin(self.at.pilot_rays(seconds))
