@@ -29,8 +29,7 @@ def make(lab: Lab) -> Figure:
         of all iterations and runs as had been shot. (Sorted by what they had got, areas with few would be those too dark by chance.)
         Left: relative RMSE; right: how many times larger the mean square error of `classical` is.""",
         claim="""Not in the paper. With few hits a ratio has a bias of order 1/n, and may take one bright sample for the whole lobe;
-        with many it keeps a constant gain, that of [WIS] equation 3. The fewest hits are those of areas that are covered for the most part,
-        such as a floor at the foot of a box: nearly dark themselves, they take light from neighbours that are not.""",
+        with many it keeps a constant gain, that of [WIS] equation 3.""",
         found=[f"From {2 ** min(common)} to {2 ** (max(common) + 1)} hits the gain of `{n}` is {span(gains[n])}." for n in gains if common],
         curves=[Curve("hits", "error and gain by hits", _draw(common, found, gains))],
         tables=[Table("hits", "By hits", ("hits, from", *(f"RMSE {n}" for n in ESTIMATORS), *(f"gain of {n}" for n in gains)), rows)],
