@@ -23,7 +23,7 @@ from lumel.pace import WorkClock
 from lumel.report.areas import Subject
 from lumel.scene import FloatArray, Scene
 from lumel.settings import GATHER, MOST_GATHERING
-from lumel.trial import OTHER, error_times_seconds
+from lumel.trial import OTHER, tried
 from lumel.work import Work
 
 TRANSPORTS = ("rays", OTHER)
@@ -36,16 +36,6 @@ def work_on(scene: Scene, transport: str) -> Work:
     settings = {"transport": transport, "gather": GATHER, "most_gathering": MOST_GATHERING}
     view = scene.cameras[0]
     return Work(Subject(scene, threads=1).session(1, **settings), 1, view.width * view.height, transport, plain=False, clock=WorkClock())
-
-
-def tried(scene: Scene, transport: str) -> float:
-    """What a trial of two replicas finds."""
-    work = work_on(scene, transport)
-    work.begin(work.pilot_rays(TRIAL))
-    work.first_step(TRIAL)
-    work.steps_until(TRIAL / 2, lambda: False)
-    work.session.end_replica()
-    return error_times_seconds(work, lambda: work.replica(TRIAL / 2, lambda: False))
 
 
 def shot(scene: Scene, transport: str, seconds: float) -> tuple[FloatArray, float]:
@@ -80,7 +70,7 @@ def main() -> None:
             truth = lumel.render(scene, transport="rays", quality="high", seed=99, threads=1).pictures[scene.cameras[0].name]
         else:
             truth = read_picture(folder() / "reference" / f"{name}.exr").layers
-        cost = [tried(scene, transport) for transport in TRANSPORTS]
+        cost = [tried(work_on(scene, transport), TRIAL, lambda: False) for transport in TRANSPORTS]
         found = [shot(scene, transport, arguments.seconds) for transport in TRANSPORTS]
         far = [compare(picture, truth["rgb"], None, truth["stderr"]) for picture, _ in found]
         ratios = (

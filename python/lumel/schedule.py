@@ -12,11 +12,10 @@ from .error_bars import errors
 from .pace import WorkClock
 from .progress import Phase, Progress
 from .trial import MOST_PATCHES, OTHER, SOLVE_HARD, is_better, trial_seconds
-from .work import FEWEST_REPLICAS, SOLVE_SHARE, Work
+from .work import FEWEST_REPLICAS, FEWEST_WITH_SPREAD, SOLVE_SHARE, Work
 
 SHOOT_SHARE = 0.4  # of the time that is left after the scene is ready, while nothing is known of it
 SHOOT_SHARES = (0.3, 0.6)  # that a look may choose: what is rare, it has not seen, and between these the error hardly changes
-FEWEST_WITH_SPREAD = 2  # replicas that tell an error
 LOOK_AFTER = 3  # replicas, a first look at the pictures divides the time
 LOOK_SAMPLES = 2  # a pixel and pass of that look
 SHORTEST_LOOK = 1.0  # s that must be left for a look to pay
@@ -191,7 +190,7 @@ class Schedule:
 
     def _another_is_better(self, needed: float, start: float, replica: float) -> bool:
         """Where rays need a large share of the time, so that another transport may be worth more, try it; go on with it if it is. `start`
-        and `replica` are the seconds that a replica takes in all, and before it measures."""
+        and `replica` are the seconds that a replica takes before it measures, and in all."""
         if self.other is None:
             return False
         seconds = trial_seconds(start, self._end - self._begun)
@@ -206,7 +205,8 @@ class Schedule:
         else:
             other, self.other = replace(self.at, session=self.other(), transport=OTHER), None
             better, self.why = is_better(other, self.at, seconds, lambda: self.at.replica(replica, self._stop_or_tell), self._stop_or_tell)
-            self.at = other if better else self.at
+            if better:
+                self.at = other
             return better
         return False
 

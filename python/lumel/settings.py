@@ -114,7 +114,7 @@ class Settings:
     @property
     def is_free(self) -> bool:
         """May another transport be chosen? Not where one is asked for, nor what only the first one has, nor work or an error."""
-        return self.transport is None and self.beyond_bundles is None and not (self.rays or self.directions or self.error)
+        return self.transport is None and self.beyond_bundles is None and self.is_on_clock
 
     @property
     def beyond_bundles(self) -> str | None:
@@ -127,6 +127,11 @@ class Settings:
         return next((name for name, is_asked in asked.items() if is_asked), None)
 
     @property
+    def is_on_clock(self) -> bool:
+        """Is the budget a time, or that of a quality, whose clock counts work? Not where work or an error is given."""
+        return not (self.rays or self.directions or self.error)
+
+    @property
     def more_patches(self) -> int:
         """How many more patches than triangles the budget pays for, where they are adaptive.
 
@@ -137,7 +142,7 @@ class Settings:
         if self.time is not None:
             pay = MORE_PATCHES * max(1.0, self.time * self.thread_count() / PATCHES_TIME) ** (2 / 3)
             return int(min(pay, MOST_MORE_PATCHES))
-        return MOST_MORE_PATCHES if self.quality == "high" and not (self.rays or self.directions or self.error) else MORE_PATCHES
+        return MOST_MORE_PATCHES if self.quality == "high" and self.is_on_clock else MORE_PATCHES
 
     @property
     def wants_adaptive(self) -> bool:

@@ -28,19 +28,23 @@ def is_better(other: Work, work: Work, seconds: float, replica: Callable[[], Non
     error in the same time? And why. `stop` is asked between steps. What `other` shot is forgotten."""
     # The fewer patches, the more light each has to tell its own from, and `other` has even ones: fewer, where the time is long.
     present = error_times_seconds(work, replica) * other.patches / work.patches
-    other.begin(other.pilot_rays(seconds))
-    other.first_step(seconds)
-    other.steps_until(other.clock.now() + seconds / TRIAL_REPLICAS - other.shot, stop)
-    other.session.end_replica()
-    found = error_times_seconds(other, lambda: other.replica(seconds / TRIAL_REPLICAS, stop))
+    found = tried(other, seconds, stop)
     other.forget()
     if stop():
         return False, "by default, since a trial of others was interrupted"
     better = found < CLEARLY * present
-    many, few = (present, found) if better else (found, present)
-    first, second = (other, work) if better else (work, other)
+    (few, best), (many, worst) = ((found, other), (present, work)) if better else ((present, work), (found, other))
     ratio = many / max(few, 1e-300)
-    return better, f"in a trial the squared error at equal time was {ratio:.2g} times that of {first.transport} with {second.transport}"
+    return better, f"in a trial the squared error at equal time was {ratio:.2g} times that of {best.transport} with {worst.transport}"
+
+
+def tried(work: Work, seconds: float, stop: Callable[[], bool]) -> float:
+    """What `error_times_seconds` is after TRIAL_REPLICAS replicas from nothing, in so many seconds of the clock."""
+    work.begin(work.pilot_rays(seconds))
+    work.first_step(seconds)
+    work.steps_until(work.clock.now() + seconds / TRIAL_REPLICAS - work.shot, stop)
+    work.session.end_replica()
+    return error_times_seconds(work, lambda: work.replica(seconds / TRIAL_REPLICAS, stop))
 
 
 def error_times_seconds(work: Work, replica: Callable[[], None]) -> float:

@@ -13,6 +13,7 @@ from .pace import RAYS_PER_SAMPLE, Clock, Pace, WallClock, pace_of
 SOLVE_SHARE = 0.25  # of a replica's time, for its own solution by power (transports `rays` and `bundles`)
 REPLICAS = 16  # independent solves that error bars rest on
 FEWEST_REPLICAS = 4
+FEWEST_WITH_SPREAD = 2  # replicas that tell an error
 LARGEST_SOLVE = (1 << 21, 4)  # rays of the solve of a replica, or rays a patch if that is more
 LARGEST_PILOT = 1 << 19  # rays of a first step, to know how fast work is
 RAYS_PER_PATCH = 8  # of a replica: below this, fewer replicas are better
@@ -146,7 +147,7 @@ class Work:
         # The first shot of a replica costs time for every patch.
         least = max(self.pace.per_replica, int(RAYS_PER_PATCH * self.patches / self.pace.rays))
         wanted = max(min(REPLICAS, work // least), work // self.pace.most_per_replica)
-        return max(2, min(most, max(FEWEST_REPLICAS, wanted)))
+        return max(FEWEST_WITH_SPREAD, min(most, max(FEWEST_REPLICAS, wanted)))
 
     def pilot_rays(self, seconds: float) -> int:
         """Rays of a first solve, where there are so many seconds in all."""

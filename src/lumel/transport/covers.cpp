@@ -18,13 +18,13 @@ constexpr float kLeastShare = 1.0f / 32;
 constexpr float kStep = 0.2f;     // between open points of one part, of the edge
 constexpr double kSmall = 0.25;   // of the mean patch: what is smaller is not asked whether something crosses it
 
-/// Which faces no light can reach, 2 triangle + back.
+/// Which faces no light can reach, 2 triangle + back; empty where there are none.
 std::vector<uint8_t> sealed_faces(const Scene& scene, const DefensiveStarts& starts) {
     std::vector<uint8_t> sealed(size_t{scene.triangles()} * 2);
     const std::vector<uint32_t> closed = closed_surfaces(scene);
     for (uint32_t t = 0; t < scene.triangles(); ++t)
         for (uint32_t back : {0u, 1u}) sealed[size_t{t} * 2 + back] = closed[t] != Scene::kNone && !starts.reaches(scene, t, back);
-    return sealed;
+    return std::find(sealed.begin(), sealed.end(), 1) == sealed.end() ? std::vector<uint8_t>{} : sealed;
 }
 
 /// Looks from points of one side at what covers them. One ray tells, but where faces lie in each other it may meet the other one, so that
@@ -96,6 +96,7 @@ private:
         return {scene, scene.point_on_patch(scene.patch_of_side(side_), at), scene.is_back(side_)};
     }
     bool is_covered(Square at, uint32_t number, uint32_t rays) const {
+        if (sealed_.empty()) return false;
         const Scene& scene = accel_.scene();
         const Surface x = surface(at);
         const Frame frame(x.normal);
@@ -128,7 +129,7 @@ std::vector<Cover> find_covers(const Accel& accel, const DefensiveStarts& starts
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 256), [&](const auto& range) {
         const FlushDenormals flush;
         for (uint32_t side = range.begin(); side < range.end(); ++side) {
-            if (sealed[size_t{scene.triangle_of_side(side)} * 2 + scene.is_back(side)])
+            if (!sealed.empty() && sealed[size_t{scene.triangle_of_side(side)} * 2 + scene.is_back(side)])
                 covers[side] = {0};
             else if (scene.scatters(side))
                 covers[side] = cover(Probes(accel, sealed, side), double{scene.patch_area(scene.patch_of_side(side))} < small);
