@@ -21,7 +21,7 @@ Film film_with(const std::function<float(uint32_t)>& bias, float always = 0, flo
         std::vector<PixelPass> pass(film.pixels());
         for (uint32_t pixel = 0; pixel < film.pixels(); ++pixel) {
             PixelPass& p = pass[pixel];
-            p.samples = p.gathering = 1;
+            p.samples = p.diffuse = p.specular = 1;
             p.sum.indirect_diffuse = grey(1), p.sum.albedo = grey(0.5f), p.sum.normal = {0, 0, 1}, p.sum.depth = 2;
             Rng rng(key(3, pixel, number));
             const float noise = kNoise * std::sqrt(12.0f) * (rng.uniform() - 0.5f);

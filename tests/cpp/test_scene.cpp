@@ -96,7 +96,7 @@ TEST(Tessellation, makes_about_as_many_patches_as_asked_by_area) {
     // Patches of different triangles are about equally large.
     const auto n = divisions_by_area(areas, 300000);
     const auto [least, most] = std::minmax_element(areas.begin(), areas.end());
-    const auto patch_area = [&](auto it) { return *it / static_cast<float>(sqr(n[static_cast<size_t>(it - areas.begin())])); };
+    const auto patch_area = [&](auto it) { return *it / sqr(static_cast<float>(n[static_cast<size_t>(it - areas.begin())])); };
     EXPECT_NEAR(patch_area(least) / patch_area(most), 1, 0.1);
     for (uint16_t k : divisions_by_area(areas, 1)) EXPECT_EQ(k, 1);
     EXPECT_TRUE(divisions_by_area({}, 100).empty());

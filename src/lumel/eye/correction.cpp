@@ -5,6 +5,8 @@
 #include <array>
 #include <span>
 
+#include "lumel/eye/gloss_choice.h"
+
 namespace lumel {
 
 namespace {
@@ -99,9 +101,13 @@ struct Around {
     }
 };
 
+/// The correction of a pixel by a share of its own difference.
+Part part(const Difference& own, float share) { return {own.mean * share, own.variance * sqr(share), share}; }
+
 /// The correction of a pixel from its own difference and those of the pixels like it, itself among them. `usual`: variance of
-/// differences over the square of the light, in a wider neighbourhood: rare bright rays may have missed a small one.
-Part part(const Difference& own, const Around& around, float usual, uint32_t passes) {
+/// differences over the square of the light, in a wider neighbourhood: rare bright rays may have missed a small one. `least`: share that
+/// is added in any case.
+Part part(const Difference& own, const Around& around, float usual, uint32_t passes, float least) {
     float count = 0;
     Rgb mean, variance;
     float near = 0, light = 0, samples = 0, beyond = 0;
@@ -109,7 +115,7 @@ Part part(const Difference& own, const Around& around, float usual, uint32_t pas
         mean += d.mean, variance += d.variance, near += d.near, light += sqr(d.light), samples += d.samples, ++count;
     });
     mean *= 1 / count, variance *= 1 / count, near /= count, light /= count, samples /= count;
-    if (!(near > kNear)) return {};
+    if (!(near > kNear)) return part(own, least);
     // What it has beyond them is judged by what the others have: a rare bright ray is no witness for itself, unless it comes again and
     // again.
     const float others = std::max(1.0f, count - 1);
@@ -122,9 +128,9 @@ Part part(const Difference& own, const Around& around, float usual, uint32_t pas
     const bool is_sure = own.passes >= kPassesToBeSure && sqr(size) > sqr(kSure) * own_noise;
     const auto [common, error] = around.common(mean_of_others, of_one);
     const float real = common - kMostChance * error, limit = is_sure || size <= usual_size ? 1.0f : usual_size / size;
-    const float single = trust * limit *
-                         (is_sure ? share(without_noise(sqr(size), own_noise, passes), own_noise)
-                                  : share(real, std::max(of_one, beyond - real)));
+    const float single = std::max(least, trust * limit *
+                                             (is_sure ? share(without_noise(sqr(size), own_noise, passes), own_noise)
+                                                      : share(real, std::max(of_one, beyond - real))));
     // Where the difference from the mean is added, the mean must be as well.
     const float smooth = std::max(trust * share(around.square_of_mean(of_one / count, passes), of_one / count), single);
     return {mean * smooth + differs * single, variance * (sqr(smooth) / count + sqr(single)), smooth};
@@ -161,7 +167,7 @@ struct Differences {
                         [&](size_t other, int, int) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
         return p;
     }
-    Part at(int x, int y) const {
+    Part at(int x, int y, float least) const {
         const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
         Around around;
         for_each_around(x, y, kReach, 1, [&](size_t other, int i, int j) {
@@ -171,14 +177,14 @@ struct Differences {
         float variance = 0, light = 0;
         for_each_around(x, y, kWide, kStride,
                         [&](size_t other, int, int) { variance += noise(all[other].variance), light += sqr(all[other].light); });
-        return part(all[pixel], around, light > 0 ? variance / light : 0, film.passes);
+        return part(all[pixel], around, light > 0 ? variance / light : 0, film.passes, least);
     }
 };
 
-/// Where gathering counts, its rays and eye samples should be in proportion to the square roots of variance over cost. `mended`: variance
-/// of the correction, after so many gathering rays.
-uint32_t best_stride(const Film& film, size_t pixel, Rgb mended, float gathering) {
-    const float of_sample = lum(film.uncorrected[pixel].variance()) * film.samples(pixel), of_ray = lum(mended) * gathering;
+/// Where gathering counts, its rays and eye samples should be in proportion to the square roots of variance over cost. `of_ray`: variance
+/// that one gathering ray leaves in the correction.
+uint32_t best_stride(const Film& film, size_t pixel, float of_ray) {
+    const float of_sample = lum(film.uncorrected[pixel].variance()) * film.samples(pixel);
     if (!(of_ray * sqr(float{Correction::kProbe}) > kCost * of_sample)) return Correction::kProbe;
     return static_cast<uint32_t>(std::max(1.0f, std::round(std::sqrt(kCost * of_sample / of_ray))));
 }
@@ -189,23 +195,27 @@ void correct(Film& film) {
     if (film.passes < 2) return;
     const Differences diffuse(film, film.diffuse, &EyeSample::indirect_diffuse),
         specular(film, film.specular, &EyeSample::indirect_specular);
+    const std::vector<GlossChoice> choices = choose_gloss(film);
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
             const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
             const auto probe_d = diffuse.probe(x, y), probe_s = specular.probe(x, y);
             Correction& correction = film.correction[pixel];
             correction = {};
-            if (!probe_d.near && !probe_s.near) {
-                if (probe_d.samples > kProbed) correction.stride = Correction::kSeldom;
-                continue;
-            }
-            const Part d = diffuse.at(x, y), s = specular.at(x, y);
-            const float light_d = std::abs(diffuse.all[pixel].light), light_s = std::abs(specular.all[pixel].light);
+            const uint32_t material = film.material[pixel];
+            const GlossChoice gloss = material < choices.size() ? choices[material] : GlossChoice{};
+            correction.gloss = gloss.gather;
+            const bool near = probe_d.near || probe_s.near;
+            if (!near && probe_d.samples > kProbed) correction.stride = Correction::kSeldom;
+            if (!near && !(gloss.share > 0)) continue;
+            const Difference &own_d = diffuse.all[pixel], &own_s = specular.all[pixel];
+            const Part d = near ? diffuse.at(x, y, 0) : Part{}, s = near ? specular.at(x, y, gloss.share) : part(own_s, gloss.share);
+            const float light_d = std::abs(own_d.light), light_s = std::abs(own_s.light);
             correction.value = {d.value, s.value};
             correction.stderr_ = square_root(d.variance + s.variance);
             if (light_d + light_s > 0) correction.share = (d.share * light_d + s.share * light_s) / (light_d + light_s);
-            if (d.share > 0 || s.share > 0)
-                correction.stride = best_stride(film, pixel, d.variance + s.variance, diffuse.all[pixel].samples);
+            if (near && (d.share > 0 || s.share > gloss.share))
+                correction.stride = best_stride(film, pixel, lum(d.variance) * own_d.samples + lum(s.variance) * own_s.samples);
         }
     });
 }

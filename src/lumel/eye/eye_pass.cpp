@@ -20,8 +20,9 @@ void add_measured(const Reconstructed& specular, PixelPass& pass) {
     const auto samples = static_cast<float>(pass.samples);
     pass.sum.indirect_specular += specular.value * samples;
     pass.sum.solution_stderr += specular.stderr_ * samples;
+    pass.sum.specular_stderr = specular.stderr_ * samples;
     pass.sum.trust = specular.trust * samples;
-    pass.excess.specular = pass.excess.specular - specular.value * static_cast<float>(pass.gathering);
+    pass.excess.specular = pass.excess.specular - specular.value * static_cast<float>(pass.specular);
 }
 
 }  // namespace
@@ -38,9 +39,14 @@ bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reco
             if (stop && stop->load(std::memory_order_relaxed)) return;
             for (uint32_t pixel = y * film.width; pixel < (y + 1) * film.width; ++pixel) {
                 const auto before = static_cast<uint32_t>(film.samples(pixel));
-                const uint32_t stride = film.correction[pixel].stride;
-                for (uint32_t i = before; i < before + samples[pixel]; ++i)
-                    rays.add(pixel, EyeStream(key(config.stream, pixel), i), config.gather && i % stride == 0);
+                const Correction& correction = film.correction[pixel];
+                Gather gather{.before_diffuse = film.diffuse[pixel].rays(), .before_specular = film.specular[pixel].rays()};
+                for (uint32_t i = before; i < before + samples[pixel]; ++i) {
+                    gather.diffuse = config.gather && i % correction.stride == 0;
+                    gather.specular = gather.diffuse || (config.gather && correction.gloss);
+                    rays.add(pixel, EyeStream(key(config.stream, pixel), i), gather);
+                    gather.before_diffuse += gather.diffuse, gather.before_specular += gather.specular;
+                }
             }
             rays.finish();
         }

@@ -12,7 +12,7 @@ void push(RayBlock& block, Vec3 origin, Vec3 direction) {
 
 }  // namespace
 
-void EyeRays::add(uint32_t pixel, EyeStream stream, bool gather) {
+void EyeRays::add(uint32_t pixel, EyeStream stream, Gather gather) {
     const Square in_pixel = stream.next();
     push(rays_, camera_.origin, camera_.direction(camera_.on_film(pixel, in_pixel)));
     samples_.push_back({pixel, stream, gather});
@@ -33,7 +33,9 @@ void EyeRays::look() {
         const EyeShader::Seen seen = shader_.sample(rays_[i], hits[i], sample.gather, sample.stream);
         pixel.sum += seen.sample;
         ++pixel.samples;
-        if (sample.gather) pixel.excess += seen.excess, ++pixel.gathering;
+        pixel.excess += seen.excess;
+        pixel.diffuse += sample.gather.diffuse, pixel.specular += sample.gather.specular;
+        if (pixel.material == PixelPass::kNoMaterial) pixel.material = seen.material;
         light(sample.pixel, seen.lamps);
         light(sample.pixel, seen.lobe);
     }

@@ -17,7 +17,7 @@ public:
         : accel_(accel), shader_(shader), camera_(camera), pass_(pass) {}
 
     /// Add one sample of a pixel; `gather`: see EyeShader.
-    void add(uint32_t pixel, EyeStream stream, bool gather);
+    void add(uint32_t pixel, EyeStream stream, Gather gather);
     /// Trace what still waits.
     void finish();
 
@@ -26,7 +26,7 @@ private:
     struct Sample {
         uint32_t pixel;
         EyeStream stream;
-        bool gather;
+        Gather gather;
     };
     /// What a waiting shadow ray decides on.
     struct Light {

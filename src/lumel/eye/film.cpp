@@ -15,13 +15,12 @@ Rgb corrected(Rgb light, Rgb correction) {
 void Film::add(std::span<const PixelPass> pass) {
     for (size_t pixel = 0; pixel < pixels(); ++pixel) {
         const PixelPass& p = pass[pixel];
-        const auto samples = static_cast<float>(p.samples), gathering = static_cast<float>(p.gathering);
+        const auto samples = static_cast<float>(p.samples);
         sum[pixel] += p.sum;
         uncorrected[pixel].add(p.sum.radiance() / samples, samples);
-        if (p.gathering == 0) continue;
-        diffuse[pixel].excess.add(p.excess.diffuse / gathering, gathering);
-        specular[pixel].excess.add(p.excess.specular / gathering, gathering);
-        diffuse[pixel].near += p.excess.near_diffuse, specular[pixel].near += p.excess.near_specular;
+        if (material[pixel] == PixelPass::kNoMaterial) material[pixel] = p.material;
+        diffuse[pixel].add(p.excess.diffuse, p.excess.near_diffuse, p.diffuse);
+        specular[pixel].add(p.excess.specular, p.excess.near_specular, p.specular);
     }
     ++passes;
 }

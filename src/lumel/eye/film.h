@@ -17,18 +17,20 @@ struct EyeSample {
     Rgb albedo;          ///< diffuse + specular albedo of what is seen, 0..1
     Vec3 normal;         ///< shading normal towards the eye
     float depth = 0;     ///< m to what is seen; 0 where there is nothing
-    Rgb solution_stderr; ///< standard error of the reconstructed solution
+    Rgb solution_stderr; ///< standard error of the reconstructed solution,
+    Rgb specular_stderr; ///< and of its specular part
     Trust trust;         ///< of the specular estimate; all 0 where there is none
 
     Rgb radiance() const { return emission + direct + indirect_diffuse + indirect_specular; }
     EyeSample& operator+=(const EyeSample& o) {
         emission += o.emission, direct += o.direct, indirect_diffuse += o.indirect_diffuse, indirect_specular += o.indirect_specular;
-        albedo += o.albedo, normal += o.normal, depth += o.depth, solution_stderr += o.solution_stderr, trust += o.trust;
+        albedo += o.albedo, normal += o.normal, depth += o.depth;
+        solution_stderr += o.solution_stderr, specular_stderr += o.specular_stderr, trust += o.trust;
         return *this;
     }
     EyeSample operator*(float s) const {
-        return {emission * s,        direct * s, indirect_diffuse * s, indirect_specular * s, albedo * s, normal * s, depth * s,
-                solution_stderr * s, trust * s};
+        return {emission * s, direct * s, indirect_diffuse * s, indirect_specular * s, albedo * s,
+                normal * s,   depth * s,  solution_stderr * s,  specular_stderr * s,   trust * s};
     }
 };
 
@@ -50,6 +52,7 @@ struct Correction {
     Rgb stderr_;         ///< of the value
     float share = 0;     ///< of what was gathered in the indirect light: 0 where the reconstruction is kept, 1 where it is replaced
     uint32_t stride = kProbe;  ///< one eye sample in so many should gather
+    bool gloss = false;        ///< every eye sample should follow the specular lobe
 
     static constexpr uint32_t kProbe = 4;    ///< while nothing is known; where gathering changes the pixel, all do
     static constexpr uint32_t kSeldom = 32;  ///< where nothing is near
@@ -59,13 +62,31 @@ struct Correction {
 struct Gathered {
     PassMoments excess;
     float near = 0;  ///< gathering rays that met something near
+
+    uint32_t rays() const { return static_cast<uint32_t>(excess.count()); }
+    /// Add the sums over the gathering rays of a pass.
+    void add(Rgb excess_of_pass, float near_of_pass, uint32_t rays) {
+        if (rays == 0) return;
+        const auto count = static_cast<float>(rays);
+        excess.add(excess_of_pass / count, count);
+        near += near_of_pass;
+    }
+};
+
+/// For which lobes an eye sample gathers indirect light, and how many samples of the pixel did so before it.
+struct Gather {
+    bool diffuse = false, specular = false;
+    uint32_t before_diffuse = 0, before_specular = 0;
 };
 
 /// What one pass saw in a pixel, summed over its samples.
 struct PixelPass {
     EyeSample sum;
     Excess excess;
-    uint32_t samples = 0, gathering = 0;  ///< of the samples, those that gathered as well
+    uint32_t samples = 0, diffuse = 0, specular = 0;  ///< of the samples, those that gathered for a lobe
+    uint32_t material = kNoMaterial;                  ///< whose measured gloss was seen first
+
+    static constexpr uint32_t kNoMaterial = 0xffffffffu;
 };
 
 /// One entry a pixel, row by row from the upper left. A pass counts in a pixel by its samples there.
@@ -76,6 +97,7 @@ struct Film {
     std::vector<PassMoments> uncorrected;  ///< radiance without correction
     std::vector<Gathered> diffuse, specular;
     std::vector<Correction> correction;
+    std::vector<uint32_t> material;        ///< whose measured gloss was seen first, or kNoMaterial
 
     Film(uint32_t w, uint32_t h)
         : width(w),
@@ -84,7 +106,8 @@ struct Film {
           uncorrected(size_t{w} * h),
           diffuse(size_t{w} * h),
           specular(size_t{w} * h),
-          correction(size_t{w} * h) {}
+          correction(size_t{w} * h),
+          material(size_t{w} * h, PixelPass::kNoMaterial) {}
 
     size_t pixels() const { return sum.size(); }
     /// Samples of all passes.

@@ -7,6 +7,7 @@ namespace lumel {
 namespace {
 
 constexpr int kMirrors = 64, kLobes = 32;
+enum Kind : uint64_t { kDiffuse, kSpecular };
 constexpr float kNear = 2;          // patches: what is closer may make the reconstruction be off
 constexpr float kRoundLobe = 0.5f;  // roughness of a lobe that is about as wide as a diffuse one
 
@@ -61,7 +62,7 @@ EyeShader::Meeting EyeShader::meet(Ray& ray, const Hit& first, EyeStream& stream
     return m;
 }
 
-EyeShader::Seen EyeShader::sample(Ray ray, const Hit& first, bool gather, EyeStream& stream) const {
+EyeShader::Seen EyeShader::sample(Ray ray, const Hit& first, Gather gather, EyeStream& stream) const {
     const Meeting m = meet(ray, first, stream);
     Seen seen;
     EyeSample& s = seen.sample;
@@ -91,27 +92,31 @@ EyeShader::Seen EyeShader::sample(Ray ray, const Hit& first, bool gather, EyeStr
         std::optional<Reconstructed> specular;
         if (m.mirrors == 0 && !pixels_) specular = reconstruction_.specular(eye_, p, back);
         const bool measured = specular || measured_in_pixel;
-        const LobeLight light = lobe(x, wo, gather || !measured, size * std::max(1.0f, kRoundLobe / x.material->alpha), stream);
-        seen.lobe = light.direct;
+        const float lobe_size = size * std::max(1.0f, kRoundLobe / x.material->alpha);
+        if (direct_light_) seen.lobe = lobe(x, wo, stream);
+        if (!measured) s.indirect_specular = gather_lobe(x, wo, lobe_size, stream).radiance;
         if (specular) {
             s.indirect_specular = specular->value;
             s.solution_stderr += specular->stderr_;
+            s.specular_stderr = specular->stderr_;
             s.trust = specular->trust;
-        } else if (!measured) {
-            s.indirect_specular = light.indirect;
         }
-        if (measured) {
-            seen.excess.specular = light.indirect - s.indirect_specular;
-            seen.excess.near_specular = light.near ? 1.0f : 0.0f;
+        if (measured) seen.material = scene_.material_index(p.triangle);
+        if (measured && gather.specular) {
+            EyeStream of_some = stream.of_some(kSpecular, gather.before_specular);
+            const Brought brought = gather_lobe(x, wo, lobe_size, of_some);
+            seen.excess.specular = brought.radiance - s.indirect_specular;
+            seen.excess.near_specular = brought.near ? 1.0f : 0.0f;
         }
     }
-    if (gather && max_component(x.material->diffuse) > 0) {
-        const Brought brought = gather_irradiance(x, size, stream);
+    if (gather.diffuse && max_component(x.material->diffuse) > 0) {
+        EyeStream of_some = stream.of_some(kDiffuse, gather.before_diffuse);
+        const Brought brought = gather_irradiance(x, size, of_some);
         seen.excess.diffuse = x.material->diffuse * brought.radiance - s.indirect_diffuse;
         seen.excess.near_diffuse = brought.near ? 1.0f : 0.0f;
     }
     for (Rgb* radiance : {&seen.lamps.radiance, &seen.lobe.radiance, &s.indirect_diffuse, &s.indirect_specular, &s.solution_stderr,
-                          &seen.excess.diffuse, &seen.excess.specular})
+                          &s.specular_stderr, &seen.excess.diffuse, &seen.excess.specular})
         *radiance *= m.throughput;
     return seen;
 }
@@ -144,21 +149,21 @@ LampLight EyeShader::lamp_along(const Surface& x, Vec3 wo, const Ray& ray, Rgb s
     return {ray.origin, y + scene_.geometric_normal(hit.triangle) * scene_.epsilon(), scatter * scene_.emission(hit.triangle) * share};
 }
 
-EyeShader::LobeLight EyeShader::lobe(const Surface& x, Vec3 wo, bool indirect, float size, EyeStream& stream) const {
-    if (!indirect && (!direct_light_ || scene_.area_lamps().empty())) return {};
+LampLight EyeShader::lobe(const Surface& x, Vec3 wo, EyeStream& stream) const {
+    if (scene_.area_lamps().empty()) return {};
+    const LobeDraw draw = draw_lobe(x, wo, stream.next());
+    if (!(draw.pdf_w > 0)) return {};
+    return lamp_along(x, wo, {x.off(scene_.epsilon()), draw.wi}, draw.scatter, draw.pdf_w);
+}
+
+EyeShader::Brought EyeShader::gather_lobe(const Surface& x, Vec3 wo, float size, EyeStream& stream) const {
     const LobeDraw draw = draw_lobe(x, wo, stream.next());
     if (!(draw.pdf_w > 0)) return {};
     const Ray ray{x.off(scene_.epsilon()), draw.wi};
-    LobeLight light{lamp_along(x, wo, ray, draw.scatter, draw.pdf_w), {}};
-    if (!indirect) return light;
-    const Brought brought = gather(ray, draw.scatter, false, size, stream);
-    light.indirect = brought.radiance, light.near = brought.near;
-    if (!direct_light_) {
-        // The solution holds the light of lamps, and what is seen of them in gloss belongs to it.
-        if (is_lit(light.direct)) light.indirect += light.direct.radiance;
-        light.direct = {};
-    }
-    return light;
+    Brought brought = gather(ray, draw.scatter, false, size, stream);
+    if (!direct_light_)
+        if (const LampLight light = lamp_along(x, wo, ray, draw.scatter, draw.pdf_w); is_lit(light)) brought.radiance += light.radiance;
+    return brought;
 }
 
 EyeShader::Brought EyeShader::gather_irradiance(const Surface& x, float size, EyeStream& stream) const {

@@ -15,6 +15,9 @@ public:
     EyeStream(uint64_t pixel, uint32_t index) : pixel_(pixel), index_(index) {}
     Square next() { return sobol2d(index_, key(pixel_, dimension_++)); }
     float next_one() { return next().u; }
+    /// Numbers for a ray that only some samples of the pixel send, the one of this number among them: every so manieth sample of a sequence
+    /// would leave most of the square empty.
+    EyeStream of_some(uint64_t kind, uint32_t number) const { return {key(pixel_, ~kind), number}; }
 
 private:
     uint64_t pixel_;
@@ -43,18 +46,19 @@ public:
         EyeSample sample;
         Excess excess;
         LampLight lamps, lobe;  ///< direct light by sampling lamps, and by sampling the specular lobe
+        uint32_t material = PixelPass::kNoMaterial;  ///< of measured gloss
     };
     /// `first`: what the ray meets. `gather`: send gathering rays, too (lamps must be sampled here).
-    Seen sample(Ray ray, const Hit& first, bool gather, EyeStream& stream) const;
+    Seen sample(Ray ray, const Hit& first, Gather gather, EyeStream& stream) const;
 
 private:
     /// A surface met after any number of mirrors.
     struct Meeting {
         Hit hit;
         Rgb throughput{1, 1, 1};
-        Rgb emission;            ///< what the first surface emits
-        Rgb mirrored_emission;   ///< what surfaces emit that were met over mirrors, their tints applied
-        float distance = 0;      ///< of the first surface, mirror or not
+        Rgb emission;  ///< what the first surface emits
+        Rgb mirrored_emission;  ///< what surfaces emit that were met over mirrors, their tints applied
+        float distance = 0;  ///< of the first surface, mirror or not
         int mirrors = 0;
     };
     Meeting meet(Ray& ray, const Hit& first, EyeStream& stream) const;
@@ -64,13 +68,8 @@ private:
     /// it (balance heuristic). `scatter`: w_s / pdf_w.
     LampLight lamp_along(const Surface& x, Vec3 wo, const Ray& ray, Rgb scatter, float pdf_w) const;
     bool is_lit(const LampLight& light) const { return light && accel_.visible(light.from, light.to); }
-    /// Light that one ray of the specular lobe brings: from lamps, and if `indirect`, from the solution too. `size`: see `gather`.
-    struct LobeLight {
-        LampLight direct;
-        Rgb indirect;
-        bool near = false;  ///< see Brought
-    };
-    LobeLight lobe(const Surface& x, Vec3 wo, bool indirect, float size, EyeStream& stream) const;
+    /// Light of lamps that one ray of the specular lobe meets.
+    LampLight lobe(const Surface& x, Vec3 wo, EyeStream& stream) const;
     /// What one ray brings.
     struct Brought {
         Rgb radiance;
@@ -78,6 +77,8 @@ private:
     };
     /// Indirect irradiance over pi at x, W/(m2 sr), from one ray with density cos/pi.
     Brought gather_irradiance(const Surface& x, float size, EyeStream& stream) const;
+    /// What x reflects of one ray of the specular lobe: from the solution, which holds the light of lamps as well if they are not sampled.
+    Brought gather_lobe(const Surface& x, Vec3 wo, float size, EyeStream& stream) const;
     /// Radiance along `ray`, but what its first surface emits: diffuse from the patches, lamps sampled, specular lobes followed.
     /// `coarse`: the light of lamps on what is not near and diffuse comes from the patches too. `size`: of the patch that the ray left,
     /// m, longer for narrow lobes.

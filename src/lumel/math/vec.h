@@ -33,6 +33,7 @@ inline float length(Vec3 a) { return std::sqrt(dot(a, a)); }
 inline Vec3 normalize(Vec3 a) { return a * (1.0f / length(a)); }
 constexpr float max_component(Vec3 a) { return std::max(a.x, std::max(a.y, a.z)); }
 constexpr float sqr(float x) { return x * x; }
+constexpr double sqr(double x) { return x * x; }
 inline Vec3 square_root(Vec3 a) { return {std::sqrt(a.x), std::sqrt(a.y), std::sqrt(a.z)}; }
 
 /// Linear Rec.709 colour; radiance in W/(m2 sr), flux in W, albedo in 0..1.
