@@ -6,6 +6,7 @@
 #include "lumel/eye/allocation.h"
 #include "lumel/eye/correction.h"
 #include "lumel/eye/eye_rays.h"
+#include "lumel/eye/small_lamps.h"
 #include "lumel/sampling/hash.h"
 
 namespace lumel {
@@ -29,7 +30,8 @@ void add_measured(const Reconstructed& specular, PixelPass& pass) {
 
 bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reconstruction& reconstruction, const PixelRadiance* pixels,
               const EyePassConfig& config, const std::atomic<bool>* stop, Film& film) {
-    const EyeShader shader(accel, reconstruction, eye, config.direct_light, pixels != nullptr);
+    const SmallLamps small_lamps(accel.scene(), camera);
+    const EyeShader shader(accel, reconstruction, small_lamps, eye, config.direct_light, pixels != nullptr);
     const std::vector<uint32_t> samples = samples_of_pass(film, config.samples);
     std::vector<PixelPass> pass(film.pixels());
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, film.height), [&](const auto& rows) {
@@ -53,6 +55,7 @@ bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reco
     });
     if (stop && stop->load()) return false;
     for (size_t pixel = 0; pixels && pixel < film.pixels(); ++pixel) add_measured(pixels->pixels[pixel], pass[pixel]);
+    small_lamps.add(accel, config.samples, key(config.stream, ~uint64_t{film.passes}), pass);
     film.add(pass);
     if (config.gather) correct(film);
     return true;

@@ -67,7 +67,7 @@ EyeShader::Seen EyeShader::sample(Ray ray, const Hit& first, Gather gather, EyeS
     Seen seen;
     EyeSample& s = seen.sample;
     s.depth = m.distance;
-    s.emission = m.emission + m.mirrored_emission;
+    s.emission = (!first.is_miss() && small_lamps_.has(first.triangle) ? Rgb{} : m.emission) + m.mirrored_emission;
     if (m.hit.is_miss()) return seen;
     const SurfacePoint p = m.hit.point();
     const bool back = m.hit.back;

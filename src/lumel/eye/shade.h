@@ -4,6 +4,7 @@
 #include "lumel/accel/accel.h"
 #include "lumel/eye/film.h"
 #include "lumel/eye/reconstruction.h"
+#include "lumel/eye/small_lamps.h"
 #include "lumel/sampling/hash.h"
 #include "lumel/scene/lamp_sampler.h"
 
@@ -35,10 +36,17 @@ struct LampLight {
 
 class EyeShader {
 public:
-    /// `direct_light`: lamps are sampled here, the solution is without their light. `pixels`: the specular light of what is seen
-    /// directly is measured in pixels, and left to them.
-    EyeShader(const Accel& accel, const Reconstruction& reconstruction, uint32_t eye, bool direct_light, bool pixels)
-        : accel_(accel), scene_(accel.scene()), reconstruction_(reconstruction), eye_(eye), direct_light_(direct_light), pixels_(pixels) {}
+    /// The emission of `small_lamps` is left to them. `direct_light`: lamps are sampled here, the solution is without their light.
+    /// `pixels`: the specular light of what is seen directly is measured in pixels, and left to them.
+    EyeShader(const Accel& accel, const Reconstruction& reconstruction, const SmallLamps& small_lamps, uint32_t eye, bool direct_light,
+              bool pixels)
+        : accel_(accel),
+          scene_(accel.scene()),
+          reconstruction_(reconstruction),
+          small_lamps_(small_lamps),
+          eye_(eye),
+          direct_light_(direct_light),
+          pixels_(pixels) {}
 
     /// What a ray sees, and what one gathering ray of each lobe finds beyond it. `direct` of the sample is without the light of the
     /// lamps: its shadow rays are left to the caller, who can trace those of many samples together.
@@ -56,7 +64,7 @@ private:
     struct Meeting {
         Hit hit;
         Rgb throughput{1, 1, 1};
-        Rgb emission;  ///< what the first surface emits
+        Rgb emission;  ///< what the first surface emits, small lamps apart
         Rgb mirrored_emission;  ///< what surfaces emit that were met over mirrors, their tints applied
         float distance = 0;  ///< of the first surface, mirror or not
         int mirrors = 0;
@@ -87,6 +95,7 @@ private:
     const Accel& accel_;
     const Scene& scene_;
     const Reconstruction& reconstruction_;
+    const SmallLamps& small_lamps_;
     uint32_t eye_;
     bool direct_light_, pixels_;
 };
