@@ -149,6 +149,7 @@ void Scene::order_along_curve() {
 void Scene::divide(Tessellation tessellation) {
     tessellation_ = std::move(tessellation);
     covers_.clear();
+    set_parts({}, {});
     first_glossy_.assign(triangles(), kNone);
     glossy_patches_ = 0;
     for (uint32_t t = 0; t < triangles(); ++t) {
@@ -157,6 +158,13 @@ void Scene::divide(Tessellation tessellation) {
         glossy_patches_ += tessellation_.count(t);
     }
     side_order_ = SideOrder(*this);
+}
+
+void Scene::set_parts(std::vector<PatchParts> parts, std::span<const uint32_t> walls_before) {
+    parts_ = std::move(parts);
+    parts_of_side_.assign(parts_.empty() ? 0 : sides(), kNone);
+    for (uint32_t i = 0; i < parts_.size(); ++i) parts_of_side_[parts_[i].side()] = i;
+    side_order_.start_runs(walls_before);
 }
 
 void Scene::find_lamps() {

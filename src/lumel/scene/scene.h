@@ -9,6 +9,7 @@
 #include "lumel/scene/lamp_arrays.h"
 #include "lumel/scene/lamp_tree.h"
 #include "lumel/scene/material.h"
+#include "lumel/scene/patch_parts.h"
 #include "lumel/scene/side_order.h"
 #include "lumel/scene/tessellation.h"
 
@@ -122,6 +123,15 @@ public:
         static constexpr Cover kNothing;
         return covers_.empty() ? kNothing : covers_[side];
     }
+    /// Tell which sides walls divide into parts, in ascending order, and at which positions of the order of sides a wall stands between a
+    /// side and the one before it.
+    void set_parts(std::vector<PatchParts> parts, std::span<const uint32_t> walls_before);
+    /// The parts of a side; null where it is whole.
+    const PatchParts* parts(uint32_t side) const { return is_divided(side) ? &parts_[parts_of_side_[side]] : nullptr; }
+    bool is_divided(uint32_t side) const { return !parts_of_side_.empty() && parts_of_side_[side] != kNone; }
+    /// Divided sides are numbered without gaps as well, for what only they need.
+    uint32_t divided_sides() const { return static_cast<uint32_t>(parts_.size()); }
+    uint32_t divided_index(uint32_t side) const { return parts_of_side_[side]; }
     float open_share(uint32_t side) const { return cover(side).open_share; }
     /// The part of a side that light can reach, m2; the whole patch where that is nothing.
     float side_area(uint32_t side) const {
@@ -179,6 +189,8 @@ private:
     std::vector<uint32_t> first_glossy_;  // per triangle
     uint32_t glossy_patches_ = 0;
     std::vector<Cover> covers_;  // per side, or empty
+    std::vector<PatchParts> parts_;
+    std::vector<uint32_t> parts_of_side_;  // index into parts_, or empty
     SideOrder side_order_;
     std::vector<AreaLamp> area_lamps_;
     LampArrays lamps_;

@@ -20,6 +20,10 @@ public:
     std::span<const uint32_t> sides(uint32_t first, uint32_t last) const { return {order_.data() + first, order_.data() + last}; }
     /// Whether the side at `position` is no neighbour of the one before it.
     bool starts_run(uint32_t position) const { return starts_run_[position]; }
+    /// End a run before each of `positions`.
+    void start_runs(std::span<const uint32_t> positions) {
+        for (uint32_t position : positions) starts_run_[position] = 1;
+    }
 
 private:
     std::vector<uint32_t> order_;

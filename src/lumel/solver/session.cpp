@@ -3,6 +3,7 @@
 #include "lumel/sampling/hash.h"
 #include "lumel/solver/refine.h"
 #include "lumel/transport/covers.h"
+#include "lumel/transport/walls.h"
 
 namespace lumel {
 
@@ -41,6 +42,7 @@ Session::Session(Scene scene, std::vector<Camera> cameras, const SessionConfig& 
                          !config_.weight_diffuse.value_or(false);
     if (config_.solver.defensive < 0) config_.solver.defensive = covered ? 0 : defensive_.open() ? kDefensiveOpen : kDefensiveClosed;
     scene_.set_covers(find_covers(accel_, defensive_));
+    if (std::vector<PatchParts> parts = find_parts(accel_); !parts.empty()) scene_.set_parts(std::move(parts), walls_in_order(accel_));
     const bool in_pixels = config.areas == AreaKind::kPixels;
     PatchAreas patches(scene_, eyes_of(cameras_), in_pixels ? std::vector<uint32_t>{} : visible_glossy_sides(accel_, lattice_, cameras_));
     if (config_.most_gathering > 0) {

@@ -9,11 +9,18 @@
 
 namespace lumel {
 
+/// Instead of the number of a part: all of a side.
+inline constexpr uint32_t kWhole = Scene::kNone;
+
 /// Light that a glossy side received from one direction and sends on through its specular lobe.
 struct Record {
     Vec3 wi;          ///< where it came from
     Rgb flux;         ///< W that arrived (shading cosine included)
     float power = 0;  ///< lum of what the lobe sends on, W; 0: no record
+    uint32_t part = 0;  ///< of the side, that it came to
+
+    /// Does it belong to a part? All belong to the whole.
+    bool is_of(uint32_t other) const { return other == kWhole || part == other; }
 };
 
 /// Records of a side: first those of light straight from lamps, then those of light from other surfaces.
@@ -29,13 +36,37 @@ struct Emitters {
     std::vector<Rgb> diffuse;        ///< per side: W sent by the Lambertian lobe (reflected, or emitted)
     std::vector<Rgb>
         behind_mirror;  ///< per side or empty: W of lamps that counts only after a perfect mirror (the first shot has the rest)
+    std::vector<Rgb> of_part;  ///< of `diffuse`, what each part of the divided sides sends; empty where that is spread over the side
     Rgb homogeneous{};  ///< L0: sides emit (1 - a(wo)) L0, so that the radiance in a closed scene is L0 everywhere (for tests)
     bool point_lamps = false;  ///< point lamps shoot too,
     bool point_lamps_direct = false;  ///< and what they shoot counts without a mirror as well
 
     explicit Emitters(const Scene& scene)
-        : diffuse(scene.sides()), records_(size_t{scene.glossy_sides()} * kRecords), recorded_(scene.glossy_sides()) {}
+        : diffuse(scene.sides()),
+          of_part(size_t{scene.divided_sides()} * PatchParts::kParts),
+          records_(size_t{scene.glossy_sides()} * kRecords),
+          recorded_(scene.glossy_sides()) {}
 
+    /// The part of a side that sends from a point, given in its triangle.
+    uint32_t part_of(const Scene& scene, uint32_t side, Square p) const {
+        return !of_part.empty() && scene.is_divided(side) ? scene.parts(side)->part_of(p) : kWhole;
+    }
+    /// What the parts of a side send of its diffuse flux; empty where it is spread over the side.
+    std::span<Rgb> parts_of(const Scene& scene, uint32_t side) {
+        if (of_part.empty() || !scene.is_divided(side)) return {};
+        return std::span(of_part).subspan(size_t{scene.divided_index(side)} * PatchParts::kParts, PatchParts::kParts);
+    }
+    /// Diffuse flux of a part, W.
+    Rgb diffuse_of(const Scene& scene, uint32_t side, uint32_t part) const {
+        return part == kWhole ? diffuse[side] : of_part[size_t{scene.divided_index(side)} * PatchParts::kParts + part];
+    }
+    /// Let divided sides send the same from everywhere.
+    void spread_over_parts(const Scene& scene) {
+        for (uint32_t side = 0; side < scene.sides(); ++side) {
+            const std::span<Rgb> parts = parts_of(scene, side);
+            for (uint32_t part = 0; part < parts.size(); ++part) parts[part] = diffuse[side] * scene.parts(side)->share(part);
+        }
+    }
     /// Records of a side; empty where it has none.
     std::span<const Record> records_of(const Scene& scene, uint32_t side) const {
         const uint32_t glossy = scene.glossy_index(side);
@@ -56,14 +87,17 @@ struct Emitters {
     /// Multiply all that is sent.
     void scale(float factor) {
         for (Rgb& flux : diffuse) flux *= factor;
+        for (Rgb& flux : of_part) flux *= factor;
         for (Record& record : records_) record.flux *= factor, record.power *= factor;
     }
-    /// Luminous power of all that a side sends, W: the chance that a ray starts there is proportional to it.
-    double power(const Scene& scene, uint32_t side) const {
-        double sum = lum(diffuse[side]);
-        if (!behind_mirror.empty()) sum += lum(behind_mirror[side]);
-        if (max_component(homogeneous) > 0) sum += lum(homogeneous) * kPi * scene.side_area(side);
-        for (const Record& record : records_of(scene, side)) sum += record.power;
+    /// Luminous power of all that a side or a part of it sends, W: the chance that a ray starts there is proportional to it.
+    double power(const Scene& scene, uint32_t side, uint32_t part = kWhole) const {
+        const float share = part == kWhole ? 1.0f : scene.parts(side)->share(part);
+        double sum = lum(diffuse_of(scene, side, part));
+        if (!behind_mirror.empty()) sum += lum(behind_mirror[side]) * share;
+        if (max_component(homogeneous) > 0) sum += lum(homogeneous) * kPi * scene.side_area(side) * share;
+        for (const Record& record : records_of(scene, side))
+            if (record.is_of(part)) sum += record.power;
         return sum;
     }
 

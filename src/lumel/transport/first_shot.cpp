@@ -17,6 +17,7 @@ constexpr uint32_t kSides = 512;  // of a work item
 /// Light from one sampled point of a lamp to one sampled point of a side.
 struct DirectSample {
     uint32_t side, index;  ///< the sample is the `index`-th of its side
+    Square at;             ///< the point, in its triangle
     Vec3 wi;
     Rgb irradiance;        ///< W/m2, with the shading normal's cosine
     float cos = 0;         ///< of wi to the shading normal
@@ -41,7 +42,7 @@ public:
             const LampSample lamp = LampView(scene_, x).sample(sobol2d(i, streams[1]).u, sobol2d(i, streams[2]));
             const float cos = dot(x.shading, lamp.wi);
             if (!(lamp.pdf_w > 0) || !(cos > 0) || !(dot(x.normal, lamp.wi) > 0)) continue;
-            add({side, i, lamp.wi, lamp.radiance * (cos / lamp.pdf_w), cos}, x.off(scene_.epsilon()), lamp.target);
+            add({side, i, at, lamp.wi, lamp.radiance * (cos / lamp.pdf_w), cos}, x.off(scene_.epsilon()), lamp.target);
         }
     }
     /// Cast the shadow rays that wait.
@@ -69,12 +70,23 @@ private:
     std::array<DirectSample, RayBlock::kMost> samples_;
 };
 
+uint32_t part_of(const Scene& scene, const DirectSample& sample) {
+    return scene.is_divided(sample.side) ? scene.parts(sample.side)->part_of(sample.at) : 0;
+}
+
 /// Write `sample`, one of `count`, to the records of its side, if that is glossy.
 void record(const Scene& scene, const DirectSample& sample, uint32_t count, Emitters& emitters) {
     const auto records = emitters.open_records(scene, sample.side);
     if (records.empty()) return;
     const Rgb flux = sample.irradiance * (scene.patch_area(scene.patch_of_side(sample.side)) / static_cast<float>(count));
-    records[sample.index] = {sample.wi, flux, lum(flux * scene.material(scene.triangle_of_side(sample.side)).albedo_s(sample.cos))};
+    const float power = lum(flux * scene.material(scene.triangle_of_side(sample.side)).albedo_s(sample.cos));
+    records[sample.index] = {sample.wi, flux, power, part_of(scene, sample)};
+}
+
+/// What a matt surface makes of `sample`, one of `count`, W.
+Rgb reflected_flux(const Scene& scene, const DirectSample& sample, uint32_t count) {
+    const float area = scene.patch_area(scene.patch_of_side(sample.side)) / static_cast<float>(count);
+    return sample.irradiance * scene.material(scene.triangle_of_side(sample.side)).diffuse * area;
 }
 
 /// Draw `count` samples on all sides that light can reach and that `wants` wants, their lamp records emptied, and hand them to `use`.
@@ -105,6 +117,8 @@ std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& re
     const auto every = [](uint32_t) { return true; };
     sample_lamps(accel, reachable, samples, stream, emitters, every, [&](const DirectSample& sample) {
         sums[sample.side] += sample.irradiance;
+        if (const auto parts = emitters.parts_of(scene, sample.side); !parts.empty())
+            parts[part_of(scene, sample)] += reflected_flux(scene, sample, samples);
         if (sample.index < kLampRecords) record(scene, sample, std::min<uint32_t>(samples, kLampRecords), emitters);
     });
     std::vector<Rgb> irradiance(scene.sides());

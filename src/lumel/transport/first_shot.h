@@ -7,7 +7,7 @@
 namespace lumel {
 
 /// Direct irradiance of every side that light can reach, W/m2 (per side, RGB), from `samples` points with one shadow ray each. The first of
-/// them leave their directions in `emitters`, for glossy sides.
+/// them leave their directions in `emitters`, for glossy sides, and all what the parts of divided sides reflect.
 std::vector<Rgb> direct_irradiance(const Accel& accel, const DefensiveStarts& reachable, uint32_t samples, uint64_t stream,
                                    Emitters& emitters);
 

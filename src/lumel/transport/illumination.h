@@ -25,6 +25,7 @@ public:
             if (scene.has_mirrors()) emitters_.behind_mirror = emitted_flux(scene);
         } else {
             emitters_.diffuse = emitted_flux(scene);
+            emitters_.spread_over_parts(scene);
         }
         emitters_.homogeneous = config.homogeneous;
         emitters_.point_lamps_direct = !config.first_shot;

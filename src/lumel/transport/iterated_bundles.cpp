@@ -51,6 +51,7 @@ IteratedBundles::IteratedBundles(const Accel& accel, const DefensiveStarts& defe
       over_mirrors_(accel.scene()),
       reflected_(accel.scene()),
       chains_(std::min(kMostChains, bundles_of_batch(accel.scene()))) {
+    for (Emitters* emitters : {&lamps_, &over_mirrors_, &reflected_}) emitters->of_part.clear();  // bundles bring light to sides as a whole
     for (Chain& chain : chains_) chain.irradiance.resize(scene_->sides());
     for (int i = warm_up(*scene_); i > 0; --i) iterate(nullptr);
 }

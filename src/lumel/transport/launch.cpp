@@ -78,7 +78,8 @@ void Launcher::operator()(uint32_t first, uint32_t count, Flights& flights) {
 
 /// Systematic choice: rays take even steps through the running sum of power, and so visit the sides in order.
 uint32_t Launcher::by_power(Block& block, uint32_t i, uint32_t end) {
-    choose_side(shot_.by_power, block, i, end);
+    const auto power_of = [&](uint32_t side, uint32_t part) { return shot_.emitters.power(shot_.scene, side, part); };
+    choose(owner(shot_.by_power, block.position[i], power_of), block, i, end);
     source_->draw_points(leaving_);
     source_->draw_directions(leaving_);
     leave(block, i);
@@ -88,19 +89,41 @@ uint32_t Launcher::by_power(Block& block, uint32_t i, uint32_t end) {
 /// The same through the running sum of area, with cosine-weighted directions.
 uint32_t Launcher::by_area(Block& block, uint32_t i, uint32_t end) {
     if (block.position[i] >= shot_.defensive.by_area.total()) return from_sky(block, i);
-    choose_side(shot_.defensive.by_area, block, i, end);
+    const auto share_of = [&](uint32_t side, uint32_t part) { return double{shot_.scene.parts(side)->share(part)}; };
+    choose(owner(shot_.defensive.by_area, block.position[i], share_of), block, i, end);
     source_->draw_points(leaving_);
     source_->draw_cosine(leaving_);
     leave(block, i);
     return leaving_.size;
 }
 
-/// Go to the side that owns the position of ray `i`, and let those of the rays up to `end` leave it that it owns as well.
-void Launcher::choose_side(const Distribution& shares, const Block& block, uint32_t i, uint32_t end) {
+/// What owns a position. The parts of a side divide what it owns by their weights.
+template <class WeightOf>
+Launcher::Owner Launcher::owner(const Distribution& shares, double position, const WeightOf& weight_of) const {
+    const uint32_t side = shares.find(position, source_ ? source_->side() : 0);
+    Owner own{side, kWhole, shares.before(side), shares.upto(side)};
+    if (shot_.emitters.of_part.empty() || !shot_.scene.is_divided(side)) return own;
+
+    std::array<double, PatchParts::kParts> weight;
+    double sum = 0;
+    for (uint32_t part = 0; part < weight.size(); ++part) sum += weight[part] = weight_of(side, part);
+    const double begin = own.before, scale = sum > 0 ? (own.upto - own.before) / sum : 0;
+    double before = 0;
+    for (uint32_t part = 0; part < weight.size(); ++part) {
+        if (!(weight[part] > 0)) continue;
+        own = {side, part, begin + before * scale, begin + (before + weight[part]) * scale};
+        if (position < own.upto) break;
+        before += weight[part];
+    }
+    return own;
+}
+
+/// Go to what owns the position of ray `i`, and let those of the rays up to `end` leave it that it owns as well.
+void Launcher::choose(const Owner& owner, const Block& block, uint32_t i, uint32_t end) {
     const double* position = &block.position[i];
-    const uint32_t side = shares.find(position[0], source_ ? source_->side() : 0);
-    if (!source_ || side != source_->side()) source_.emplace(shot_.scene, shot_.emitters, side, shot_.rays_per_watt);
-    const double before = shares.before(side), upto = shares.upto(side);
+    if (!source_ || owner.side != source_->side() || owner.part != source_->part())
+        source_.emplace(shot_.scene, shot_.emitters, owner.side, shot_.rays_per_watt, owner.part);
+    const double before = owner.before, upto = owner.upto;
     const uint32_t most = std::min(Leaving::kMost, end - i);
     uint32_t n = 1;
     while (n < most && position[n] < upto) ++n;

@@ -32,7 +32,14 @@ private:
     uint32_t by_area(Block& block, uint32_t i, uint32_t end);
     uint32_t from_sky(Block& block, uint32_t i) const;
     uint32_t from_point_lamp(Block& block, uint32_t i) const;
-    void choose_side(const Distribution& shares, const Block& block, uint32_t i, uint32_t end);
+    /// What owns positions from `before` to `upto`: a side, or a part of one.
+    struct Owner {
+        uint32_t side, part;
+        double before, upto;
+    };
+    template <class WeightOf>
+    Owner owner(const Distribution& shares, double position, const WeightOf& weight_of) const;
+    void choose(const Owner& owner, const Block& block, uint32_t i, uint32_t end);
     void leave(Block& block, uint32_t i);
 
     const Shot& shot_;

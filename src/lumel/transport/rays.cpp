@@ -16,6 +16,7 @@ FrozenLight::FrozenLight(const Accel& accel, const DefensiveStarts& defensive, c
     uint64_t generation = 0;
     rays += walk(accel, defensive, emitters_, config, [&](const Generation& g) {
         for (size_t side = 0; side < emitters_.diffuse.size(); ++side) emitters_.diffuse[side] += g.next.diffuse[side];
+        for (size_t part = 0; part < emitters_.of_part.size(); ++part) emitters_.of_part[part] += g.next.of_part[part];
         merge_records(accel.scene(), g.next, key(config.stream, kMerge, generation++), emitters_);
     });
 }

@@ -14,6 +14,7 @@ namespace {
 struct Incident {
     Rgb flux;
     float power = 0;
+    uint32_t part = 0;
 };
 
 /// A side that receives light.
@@ -26,12 +27,14 @@ public:
           sign_(scene.is_back(side) ? -1.0f : 1.0f),
           normal_(scene.geometric_normal(triangle_) * sign_),
           glossy_(scene.glossy_index(side) != Scene::kNone),
-          smooth_(scene.is_smooth(triangle_)) {}
+          smooth_(scene.is_smooth(triangle_)),
+          parts_(scene.parts(side)) {}
 
     Incident receive(const Transfer& transfer) const {
         const Vec3 shading = smooth_ ? scene_->shading_normal({triangle_, transfer.u, transfer.v}) * sign_ : normal_;
         const Rgb flux = smooth_ ? transfer.flux * adjoint(shading, normal_, transfer.wi) : transfer.flux;
-        return {flux, glossy_ ? lum(flux * material_->albedo_s(dot(shading, transfer.wi))) : 0.0f};
+        return {flux, glossy_ ? lum(flux * material_->albedo_s(dot(shading, transfer.wi))) : 0.0f,
+                parts_ ? parts_->part_of({transfer.u, transfer.v}) : 0};
     }
 
 private:
@@ -41,10 +44,11 @@ private:
     float sign_;
     Vec3 normal_;
     bool glossy_, smooth_;
+    const PatchParts* parts_;
 };
 
-/// Neighbours that send on together what they received together. Sides with hits enough stay alone; where there are few hits, a single one
-/// would make a small patch far too bright.
+/// Neighbours that send on together what they received together. Sides with hits enough stay alone, as do those that walls divide; where
+/// there are few hits, a single one would make a small patch far too bright.
 struct Group {
     uint32_t first, last;  // positions in the order of sides
 };
@@ -58,7 +62,8 @@ std::vector<Group> group_by_hits(const Scene& scene, const Transfers& transfers)
     size_t hits = 0;
     for (uint32_t i = 0; i < order.size(); ++i) {
         const size_t here = transfers.arrivals(order.side(i));
-        const bool joins = !groups.empty() && !order.starts_run(i) && hits < kEnoughHits && here < kEnoughHits &&
+        const bool is_divided = scene.is_divided(order.side(i)) || (i > 0 && scene.is_divided(order.side(i - 1)));
+        const bool joins = !groups.empty() && !order.starts_run(i) && !is_divided && hits < kEnoughHits && here < kEnoughHits &&
                            i - groups.back().first < kMostSides;
         if (!joins) groups.push_back({i, i}), hits = 0;
         groups.back().last = i + 1;
@@ -72,6 +77,7 @@ struct Light {
     Vec3 wi;
     Rgb flux;
     double power_so_far;
+    uint32_t part;  // of the side
 };
 
 /// Draw the records of one side: even steps through the running sum of the specular power of its group.
@@ -82,9 +88,23 @@ void draw_records(const std::vector<Light>& lights, double share, uint64_t strea
     for (const Light& light : lights) {
         for (; drawn < kSurfaceRecords && next < light.power_so_far; next += step)
             records[kLampRecords + drawn++] = {light.wi, light.flux * static_cast<float>(sent / (light.power_so_far - before)),
-                                               static_cast<float>(sent)};
+                                               static_cast<float>(sent), light.part};
         before = light.power_so_far;
     }
+}
+
+/// Let each part of a divided side send what came to it.
+void send_from_parts(const Scene& scene, const Transfers& transfers, uint32_t side, Emitters& next) {
+    const std::span<Rgb> parts = next.parts_of(scene, side);
+    if (parts.empty()) return;
+    std::array<Rgb64, PatchParts::kParts> sums{};
+    const Receiver receiver(scene, side);
+    for (const Transfer& transfer : transfers.placed(side)) {
+        const Incident light = receiver.receive(transfer);
+        sums[light.part] += light.flux;
+    }
+    for (size_t part = 0; part < parts.size(); ++part)
+        parts[part] = sums[part].to_float() * scene.material(scene.triangle_of_side(side)).diffuse;
 }
 
 /// Sum what each side of a group received, and let the group send it on. The Lambertian share of small sides is spread over these by area;
@@ -108,7 +128,8 @@ void scatter_group(const Scene& scene, const Transfers& transfers, std::span<con
                 const Incident light = receiver.receive(transfer);
                 sum += light.flux;
                 if (light.power > 0)
-                    lights.push_back({transfer.wi, light.flux, (lights.empty() ? 0.0 : lights.back().power_so_far) + double{light.power}});
+                    lights.push_back(
+                        {transfer.wi, light.flux, (lights.empty() ? 0.0 : lights.back().power_so_far) + double{light.power}, light.part});
             }
         }
         received[side] = scene.open_share(side) > 0 ? sum.to_float() : Rgb{};
@@ -119,6 +140,7 @@ void scatter_group(const Scene& scene, const Transfers& transfers, std::span<con
         const double size = double{scene.side_area(side)};
         const Rgb sent = is_small(side) ? (light_of_small * (size / area_of_small)).to_float() : received[side];
         next.diffuse[side] = scene.scatters(side) ? sent * scene.material(scene.triangle_of_side(side)).diffuse : Rgb{};
+        send_from_parts(scene, transfers, side, next);
         next.clear_records(scene, side);
         if (takes_part(side) && !lights.empty()) draw_records(lights, size / area, key(stream, side), next.open_records(scene, side));
     }

@@ -69,7 +69,8 @@ Seen Shot::see(Ray ray, Hit hit) const {
         const uint32_t side = scene.side_of(hit.point(), hit.back);
         const float cos = dot(y.normal, w);
         if (!(cos > 1e-6f)) return {};
-        const SideSource::Emission e = SideSource(scene, emitters, side, rays_per_watt).evaluate(y.shading, w);
+        const SideSource source(scene, emitters, side, rays_per_watt, emitters.part_of(scene, side, {hit.u, hit.v}));
+        const SideSource::Emission e = source.evaluate(y.shading, w);
         const Rgb radiance = mirrors > 0 ? e.radiance + e.behind_mirror : e.radiance;
         const float density = (e.pdf_aw / cos + defensive_density(side)) * survive;
         // Light goes both ways, so what sees a side that none can reach is out of its reach, too.

@@ -2,10 +2,11 @@
 
 namespace lumel {
 
-SideSource::SideSource(const Scene& scene, const Emitters& emitters, uint32_t side, double rays_per_watt)
+SideSource::SideSource(const Scene& scene, const Emitters& emitters, uint32_t side, double rays_per_watt, uint32_t part)
     : scene_(&scene),
       material_(&scene.material(scene.triangle_of_side(side))),
       side_(side),
+      part_(part),
       area_(scene.side_area(side)),
       density_(static_cast<float>(rays_per_watt) / scene.patch_area(scene.patch_of_side(side))),
       normal_(scene.geometric_normal(scene.triangle_of_side(side)) * (scene.is_back(side) ? -1.0f : 1.0f)),
@@ -13,6 +14,11 @@ SideSource::SideSource(const Scene& scene, const Emitters& emitters, uint32_t si
       homogeneous_(emitters.homogeneous),
       records_(emitters.records_of(scene, side)) {
     if (!emitters.behind_mirror.empty()) behind_mirror_ = emitters.behind_mirror[side] * (kInvPi / area_);
+    if (part != kWhole) {
+        const float share = scene.parts(side)->share(part);
+        area_ *= share, density_ /= share;
+        diffuse_ = emitters.diffuse_of(scene, side, part) * (kInvPi / area_);
+    }
     cosine_power_ = lum(diffuse_ + behind_mirror_ + homogeneous_) * kPi * area_;
 }
 
@@ -22,10 +28,8 @@ void SideSource::draw_points(Leaving& rays) const {
     const PatchCorners corners = scene_->tessellation().corners(scene_->patch_of_side(side_));
     const auto point = [&](int k) { return SurfacePoint{triangle, corners[k].u, corners[k].v}; };
     const Vec3 a = scene_->position(point(0)), ab = scene_->position(point(1)) - a, ac = scene_->position(point(2)) - a;
-    for (uint32_t i = 0; i < count; ++i) {
-        const Square b = square_to_triangle({rays.point_u[i], rays.point_v[i]});
-        rays.y.set(i, a + ab * b.u + ac * b.v);
-    }
+    const Barycentrics b = barycentrics(rays);
+    for (uint32_t i = 0; i < count; ++i) rays.y.set(i, a + ab * b.u[i] + ac * b.v[i]);
     if (!scene_->is_smooth(triangle)) {
         for (uint32_t i = 0; i < count; ++i) rays.shading.set(i, normal_);
         return;
@@ -33,10 +37,25 @@ void SideSource::draw_points(Leaving& rays) const {
     const float sign = scene_->is_back(side_) ? -1.0f : 1.0f;
     const auto normal = [&](int k) { return scene_->interpolated_normal(point(k)) * sign; };
     const Vec3 n = normal(0), nb = normal(1) - n, nc = normal(2) - n;
-    for (uint32_t i = 0; i < count; ++i) {
-        const Square b = square_to_triangle({rays.point_u[i], rays.point_v[i]});
-        rays.shading.set(i, normalize(n + nb * b.u + nc * b.v));
+    for (uint32_t i = 0; i < count; ++i) rays.shading.set(i, normalize(n + nb * b.u[i] + nc * b.v[i]));
+}
+
+SideSource::Barycentrics SideSource::barycentrics(const Leaving& rays) const {
+    const uint32_t count = padded(rays.size);
+    Barycentrics b;
+    if (part_ == kWhole) {
+        for (uint32_t i = 0; i < count; ++i) {
+            const Square at = square_to_triangle({rays.point_u[i], rays.point_v[i]});
+            b.u[i] = at.u, b.v[i] = at.v;
+        }
+        return b;
     }
+    const PartPolygon polygon = scene_->parts(side_)->polygon(part_);
+    for (uint32_t i = 0; i < count; ++i) {
+        const Square at = polygon.point({rays.point_u[i], rays.point_v[i]});
+        b.u[i] = at.u, b.v[i] = at.v;
+    }
+    return b;
 }
 
 void SideSource::draw_directions(Leaving& rays) const {
@@ -58,10 +77,10 @@ void SideSource::draw_lobe(Leaving& rays, uint32_t from) const {
     // Choose the record of every ray.
     Vec3Array<Leaving::kMost> from_wi;
     size_t record = 0;
-    double end = double{cosine_power_} + double{records_[0].power};
+    double end = double{cosine_power_} + double{power_of(records_[0])};
     for (uint32_t i = from; i < rays.size; ++i) {
-        while (rays.at[i] >= end && record + 1 < records_.size()) end += double{records_[++record].power};
-        while (!(records_[record].power > 0) && record > 0) --record;
+        while (rays.at[i] >= end && record + 1 < records_.size()) end += double{power_of(records_[++record])};
+        while (!(power_of(records_[record]) > 0) && record > 0) --record;
         from_wi.set(i, records_[record].wi);
     }
     // What points below the shading normal's horizon has no density: it is lost even where it is above the surface.
@@ -90,7 +109,7 @@ void SideSource::evaluate(Leaving& rays) const {
         for (uint32_t i = 0; i < count; ++i)
             rays.radiance.set(i, diffuse_ + homogeneous_ * (Rgb{1, 1, 1} - material_->diffuse - material_->albedo_s(cos_o[i])));
     for (const Record& record : records_)
-        if (record.power > 0) add(record, cos_o, rays);
+        if (power_of(record) > 0) add(record, cos_o, rays);
     for (uint32_t i = 0; i < count; ++i) rays.pdf_aw[i] *= density_;
 }
 

@@ -34,16 +34,17 @@ public:
         Rgb sharp{};        ///< the part of `radiance` that lobes too narrow for bundles send
     };
 
-    /// `rays_per_watt`: rays shot for each watt of lum power.
-    SideSource(const Scene& scene, const Emitters& emitters, uint32_t side, double rays_per_watt);
+    /// `rays_per_watt`: rays shot for each watt of lum power. `part`: of a side whose light the emitters keep apart, see Emitters::part_of.
+    SideSource(const Scene& scene, const Emitters& emitters, uint32_t side, double rays_per_watt, uint32_t part = kWhole);
 
     uint32_t side() const { return side_; }
+    uint32_t part() const { return part_; }
     Vec3 normal() const { return normal_; }
     Rgb behind_mirror() const { return behind_mirror_; }
     /// The part of a radiance of this side that lobes too narrow for bundles send.
     Rgb sharp(Rgb radiance) const { return records_.empty() || !is_sharp(*material_) ? Rgb{} : radiance - diffuse_; }
 
-    /// Draw points uniform on the patch, with their shading normals.
+    /// Draw points uniform on the patch or its part, with their shading normals.
     void draw_points(Leaving& rays) const;
     /// Draw directions by the lobes that own the positions `at`, which must ascend.
     void draw_directions(Leaving& rays) const;
@@ -55,13 +56,19 @@ public:
     Emission evaluate(Vec3 shading, Vec3 w) const;
 
 private:
+    /// Points in the patch.
+    struct Barycentrics {
+        Leaving::Floats u, v;
+    };
+    Barycentrics barycentrics(const Leaving& rays) const;
     void draw_cosine(Leaving& rays, uint32_t count) const;
+    float power_of(const Record& record) const { return record.is_of(part_) ? record.power : 0; }
     void draw_lobe(Leaving& rays, uint32_t from) const;
     void add(const Record& record, const Leaving::Floats& cos_o, Leaving& rays) const;
 
     const Scene* scene_;
     const Material* material_;
-    uint32_t side_;
+    uint32_t side_, part_;
     float area_, density_;
     Vec3 normal_;  // geometric, on this side
     Rgb diffuse_;  // radiance, as the two below

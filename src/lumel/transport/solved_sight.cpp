@@ -11,7 +11,8 @@ void SolvedSight::see(std::span<const Look> looks, std::span<Seen> seen) const {
         const Hit hit = accel_->intersect({looks[i].origin, looks[i].direction});
         if (hit.is_miss()) continue;
         const Surface y(scene, hit.point(), hit.back);
-        const SideSource source(scene, *emitters_, scene.side_of(hit.point(), hit.back), 0);
+        const uint32_t side = scene.side_of(hit.point(), hit.back);
+        const SideSource source(scene, *emitters_, side, 0, emitters_->part_of(scene, side, {hit.u, hit.v}));
         const SideSource::Emission e = source.evaluate(y.shading, -looks[i].direction);
         seen[i].radiance = e.radiance - e.sharp;
         seen[i].dark = !(max_component(e.radiance) > 0) && !reachable_->reaches(scene, hit.triangle, hit.back);
