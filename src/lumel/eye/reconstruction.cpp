@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kDivided = 1e-4;
 
+uint64_t edge_name(uint32_t a, uint32_t b) { return uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
+
 /// For every area, the first slot that it has to itself: on flat facets all three corners are alike, and one estimate serves them.
 std::vector<uint32_t> first_slots_of_single_areas(const Neighbourhood& neighbourhood, uint32_t areas) {
     std::vector<uint32_t> first(areas, Scene::kNone);
@@ -27,9 +29,32 @@ Reconstruction::Reconstruction(const Accel& accel, const Lattice& lattice, const
       lattice_(&lattice),
       neighbourhood_(*scene_, lattice, solution.areas),
       specular_(solution.areas.eyes()) {
+    find_cut_edges();
     indirect_ = pool(smoothed(*scene_, lattice, solution.indirect));
     direct_ = pool(solution.direct);
     for (uint32_t eye = 0; eye < solution.areas.eyes(); ++eye) estimate_specular(solution.areas, estimator, eye);
+}
+
+void Reconstruction::find_cut_edges() {
+    for (uint32_t side = 0; side < scene_->sides(); ++side) {
+        const PatchParts* parts = scene_->parts(side);
+        if (!parts) continue;
+        const uint32_t patch = scene_->patch_of_side(side);
+        const PatchCorners corner = scene_->tessellation().corners(patch);
+        const auto vertex = lattice_->corners(patch);
+        for (int k = 0; k < 3; ++k) {
+            const int next = (k + 1) % 3;
+            if (parts->part_of(corner[k]) != parts->part_of(corner[next]))
+                cut_edges_.push_back(
+                    edge_name(vertex_side(vertex[k], scene_->is_back(side)), vertex_side(vertex[next], scene_->is_back(side))));
+        }
+    }
+    std::sort(cut_edges_.begin(), cut_edges_.end());
+}
+
+bool Reconstruction::is_cut(const Lattice::Hanging& hanging, bool back) const {
+    const uint64_t name = edge_name(vertex_side(hanging.ends[0], back), vertex_side(hanging.ends[1], back));
+    return std::binary_search(cut_edges_.begin(), cut_edges_.end(), name);
 }
 
 Reconstruction::VertexField Reconstruction::pool(const SideField& field) const {
@@ -56,6 +81,7 @@ Reconstruction::VertexField Reconstruction::pool(const SideField& field) const {
     }
     for (const Lattice::Hanging& hanging : lattice_->hanging())
         for (bool back : {false, true}) {
+            if (is_cut(hanging, back)) continue;
             const uint32_t at = vertex_side(hanging.vertex, back), a = vertex_side(hanging.ends[0], back),
                            b = vertex_side(hanging.ends[1], back);
             pooled.value[at] = (pooled.value[a] + pooled.value[b]) * 0.5f;
@@ -89,6 +115,7 @@ void Reconstruction::estimate_specular(const PatchAreas& areas, const Estimator&
 void Reconstruction::hang_specular(uint32_t eye) {
     for (const Lattice::Hanging& hanging : lattice_->hanging())
         for (bool back : {false, true}) {
+            if (is_cut(hanging, back)) continue;
             const uint32_t slot = neighbourhood_.slot(hanging.vertex, back), a = neighbourhood_.slot(hanging.ends[0], back),
                            b = neighbourhood_.slot(hanging.ends[1], back);
             if (slot == Scene::kNone || a == Scene::kNone || b == Scene::kNone) continue;

@@ -52,6 +52,9 @@ private:
     void estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye);
     /// Make the field linear along edges that coarser cells share.
     void hang_specular(uint32_t eye);
+    /// Find the edges of patches whose ends a wall keeps apart. Fields are not linear along these.
+    void find_cut_edges();
+    bool is_cut(const Lattice::Hanging& hanging, bool back) const;
     /// Where a wall divides the patch, the corners that are on the same side of it as p have all the weight.
     Lattice::Stencil stencil(SurfacePoint p, bool back) const;
     uint32_t vertex_side(uint32_t vertex, bool back) const { return vertex + (back ? lattice_->size() : 0); }
@@ -59,6 +62,7 @@ private:
     const Accel* accel_;
     const Scene* scene_;
     const Lattice* lattice_;
+    std::vector<uint64_t> cut_edges_;  // names of both vertex sides, sorted
     VertexField indirect_, direct_;
     Neighbourhood neighbourhood_;
     std::vector<std::vector<Reconstructed>> specular_;           // per eye and slot of the neighbourhood

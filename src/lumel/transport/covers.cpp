@@ -132,7 +132,8 @@ std::vector<Cover> find_covers(const Accel& accel, const DefensiveStarts& starts
             if (!sealed.empty() && sealed[size_t{scene.triangle_of_side(side)} * 2 + scene.is_back(side)])
                 covers[side] = {0};
             else if (scene.scatters(side))
-                covers[side] = cover(Probes(accel, sealed, side), scene.tessellation().share(scene.patch_of_side(side)) == 1 && double{scene.patch_area(scene.patch_of_side(side))} < small);
+                covers[side] = cover(Probes(accel, sealed, side), scene.tessellation().share(scene.patch_of_side(side)) == 1 &&
+                                                                      double{scene.patch_area(scene.patch_of_side(side))} < small);
         }
     });
     const bool is_open = std::all_of(covers.begin(), covers.end(), [](const Cover& c) { return c.open_share == 1 && !c.divides; });

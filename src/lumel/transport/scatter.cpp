@@ -169,7 +169,8 @@ void merge_records(const Scene& scene, const Emitters& generation, uint64_t stre
                 if (!(candidates[i].power > 0)) continue;
                 const float sum = kept[i].power + candidates[i].power;
                 if (rng.uniform() * sum >= kept[i].power) kept[i] = candidates[i];
-                kept[i] = {kept[i].wi, kept[i].flux * (sum / kept[i].power), sum};
+                kept[i].flux *= sum / kept[i].power;
+                kept[i].power = sum;
             }
         }
     });
