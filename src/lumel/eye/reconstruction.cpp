@@ -37,16 +37,18 @@ Reconstruction::Reconstruction(const Accel& accel, const Lattice& lattice, const
 
 void Reconstruction::find_cut_edges() {
     for (uint32_t side = 0; side < scene_->sides(); ++side) {
+        const Cover& cover = scene_->cover(side);
         const PatchParts* parts = scene_->parts(side);
-        if (!parts) continue;
+        if (!parts && !cover.corner[0] && !cover.corner[1] && !cover.corner[2]) continue;
         const uint32_t patch = scene_->patch_of_side(side);
         const PatchCorners corner = scene_->tessellation().corners(patch);
         const auto vertex = lattice_->corners(patch);
         for (int k = 0; k < 3; ++k) {
             const int next = (k + 1) % 3;
-            if (parts->part_of(corner[k]) != parts->part_of(corner[next]))
-                cut_edges_.push_back(
-                    edge_name(vertex_side(vertex[k], scene_->is_back(side)), vertex_side(vertex[next], scene_->is_back(side))));
+            const bool is_cut = cover.corner[k] || cover.corner[next] ||
+                                (parts && parts->part_of(corner[k]) != parts->part_of(corner[next]));
+            const bool back = scene_->is_back(side);
+            if (is_cut) cut_edges_.push_back(edge_name(vertex_side(vertex[k], back), vertex_side(vertex[next], back)));
         }
     }
     std::sort(cut_edges_.begin(), cut_edges_.end());

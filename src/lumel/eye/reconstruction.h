@@ -52,7 +52,7 @@ private:
     void estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye);
     /// Make the field linear along edges that coarser cells share.
     void hang_specular(uint32_t eye);
-    /// Find the edges of patches whose ends a wall keeps apart. Fields are not linear along these.
+    /// Find the edges of patches whose ends a wall keeps apart, or whose end is covered. Fields are not linear along these.
     void find_cut_edges();
     bool is_cut(const Lattice::Hanging& hanging, bool back) const;
     /// Where a wall divides the patch, the corners that are on the same side of it as p have all the weight.

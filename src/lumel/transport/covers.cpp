@@ -43,13 +43,19 @@ public:
             if (!is_covered(point(i), i, rays)) return false;
         return true;
     }
-    /// Does something stand on two of its edges, a wall too thin to cover anything? What stands on one leaves a way over the third corner.
-    bool is_crossed() const {
+    /// Does something stand on two of its edges, a wall too thin to cover anything? What stands on one leaves a way over the third corner,
+    /// if that is not covered.
+    bool is_crossed(const std::array<bool, 3>& is_covered = {}) const {
         std::array<Vec3, 3> corner;
         for (uint32_t k = 0; k < 3; ++k) corner[k] = surface(kCornersFromWithin[k]).off(accel_.scene().epsilon());
         int blocked = 0;
-        for (uint32_t k = 0; k < 3; ++k) blocked += !accel_.visible(corner[k], corner[(k + 1) % 3]);
-        return blocked >= 2;
+        int open = 3;
+        for (uint32_t k = 0; k < 3; ++k) {
+            const uint32_t next = (k + 1) % 3;
+            open -= is_covered[k];
+            blocked += !is_covered[k] && !is_covered[next] && !accel_.visible(corner[k], corner[next]);
+        }
+        return blocked >= std::max(1, open - 1);
     }
     /// Look closely, at the corners first. Where the covered part divides the rest, nobody knows which part has the light. Then all counts
     /// as open: light that is lost does less harm than light that goes through a wall.
@@ -67,8 +73,8 @@ public:
             else
                 count += covered[i];
         }
-        // Where nothing is covered, it is looked at since something crosses it: that is too thin to cover points.
-        cover.divides = is_divided(where, covered) || std::none_of(covered.begin(), covered.end(), [](bool c) { return c; });
+        // What is covered may be too narrow for points to tell that it divides the rest.
+        cover.divides = is_divided(where, covered) || is_crossed(cover.corner);
         if (!cover.divides)
             cover.open_share = count == kManyPoints ? 0 : std::max(kLeastShare, 1 - static_cast<float>(count) / kManyPoints);
         return cover;
