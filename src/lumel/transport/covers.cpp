@@ -16,7 +16,7 @@ constexpr uint32_t kFewPoints = 8, kManyPoints = 64;  // of a side; many where s
 constexpr uint32_t kRays = 8;                         // of a point that is looked at closely
 constexpr float kLeastShare = 1.0f / 32;
 constexpr float kStep = 0.2f;     // between open points of one part, of the edge
-constexpr double kSmall = 0.25;   // of the mean patch: what is smaller is not asked whether something crosses it
+constexpr double kSmall = 0.25;   // of the mean patch: undivided triangles that are smaller are not asked whether something crosses them
 
 /// Which faces no light can reach, 2 triangle + back; empty where there are none.
 std::vector<uint8_t> sealed_faces(const Scene& scene, const DefensiveStarts& starts) {
