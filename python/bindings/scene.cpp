@@ -89,6 +89,7 @@ void bind_scene(nb::module_& m) {
         .def_prop_ro("is_uniform", [](const Scene& scene) { return scene.tessellation().is_uniform(); })
         .def_prop_ro("triangles", &Scene::triangles)
         .def_prop_ro("glossy_sides", &Scene::glossy_sides)
+        .def_prop_ro("divided_sides", &Scene::divided_sides)
         .def_prop_ro("total_area", &Scene::total_area)
         .def_prop_ro("radius", &Scene::radius)
         .def_prop_ro("lamp_areas",

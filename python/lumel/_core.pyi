@@ -39,6 +39,9 @@ class Scene:
     def glossy_sides(self) -> int: ...
 
     @property
+    def divided_sides(self) -> int: ...
+
+    @property
     def total_area(self) -> float: ...
 
     @property

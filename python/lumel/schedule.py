@@ -202,6 +202,8 @@ class Schedule:
             self.why = "by default, since a trial of others would take too long"
         elif self.at.patches > MOST_PATCHES:
             self.why = f"by default, since others are tried up to {MOST_PATCHES:,} patches"
+        elif self.at.session.scene.divided_sides:
+            self.why = f"by default, since walls divide patches, through which {OTHER} let light"
         else:
             other, self.other = replace(self.at, session=self.other(), transport=OTHER), None
             better, self.why = is_better(other, self.at, seconds, lambda: self.at.replica(replica, self._stop_or_tell), self._stop_or_tell)
