@@ -31,7 +31,7 @@ Film film_with(const std::function<float(uint32_t)>& bias, float always = 0, flo
         }
         film.add(pass);
     }
-    correct(film);
+    correct(film, true);
     return film;
 }
 
@@ -94,7 +94,7 @@ TEST(Correction, brings_coarse_patches_to_what_fine_ones_show_in_a_gap) {
         session.reconstruct();
         Film film(camera.width, camera.height);
         for (uint64_t pass = 0; pass < 8; ++pass)
-            eye_pass(session.accel(), camera, 0, session.reconstruction(), nullptr, {32, true, gather, pass}, nullptr, film);
+            eye_pass(session.accel(), camera, 0, session.reconstruction(), nullptr, {32, true, gather, gather, pass}, nullptr, film);
         return film;
     };
     const Film truth = picture(12000, 2000000, true), plain = picture(1000, 200000, false), corrected = picture(1000, 200000, true);

@@ -191,11 +191,11 @@ uint32_t best_stride(const Film& film, size_t pixel, float of_ray) {
 
 }  // namespace
 
-void correct(Film& film) {
+void correct(Film& film, bool gloss) {
     if (film.passes < 2) return;
     const Differences diffuse(film, film.diffuse, &EyeSample::indirect_diffuse),
         specular(film, film.specular, &EyeSample::indirect_specular);
-    const std::vector<GlossChoice> choices = choose_gloss(film);
+    const std::vector<GlossChoice> choices = gloss ? choose_gloss(film) : std::vector<GlossChoice>{};
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
             const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
@@ -203,18 +203,18 @@ void correct(Film& film) {
             Correction& correction = film.correction[pixel];
             correction = {};
             const uint32_t material = film.material[pixel];
-            const GlossChoice gloss = material < choices.size() ? choices[material] : GlossChoice{};
-            correction.gloss = gloss.gather;
+            const GlossChoice choice = material < choices.size() ? choices[material] : GlossChoice{};
+            correction.gloss = choice.gather;
             const bool near = probe_d.near || probe_s.near;
             if (!near && probe_d.samples > kProbed) correction.stride = Correction::kSeldom;
-            if (!near && !(gloss.share > 0)) continue;
+            if (!near && !(choice.share > 0)) continue;
             const Difference &own_d = diffuse.all[pixel], &own_s = specular.all[pixel];
-            const Part d = near ? diffuse.at(x, y, 0) : Part{}, s = near ? specular.at(x, y, gloss.share) : part(own_s, gloss.share);
+            const Part d = near ? diffuse.at(x, y, 0) : Part{}, s = near ? specular.at(x, y, choice.share) : part(own_s, choice.share);
             const float light_d = std::abs(own_d.light), light_s = std::abs(own_s.light);
             correction.value = {d.value, s.value};
             correction.stderr_ = square_root(d.variance + s.variance);
             if (light_d + light_s > 0) correction.share = (d.share * light_d + s.share * light_s) / (light_d + light_s);
-            if (near && (d.share > 0 || s.share > gloss.share))
+            if (near && (d.share > 0 || s.share > choice.share))
                 correction.stride = best_stride(film, pixel, lum(d.variance) * own_d.samples + lum(s.variance) * own_s.samples);
         }
     });

@@ -13,7 +13,7 @@ namespace lumel {
 /// different pixels that see a like surface have in common, since their noise is independent. It is done twice: for the mean of D over
 /// the pixels around, where noise is small, and for what each pixel has beyond it. Only pixels whose gathering rays meet something near
 /// are corrected: elsewhere patches are fine enough, and light from small bright spots, which rays seldom find, would be taken for
-/// darkness.
-void correct(Film& film);
+/// darkness. With `gloss`, the gloss of a material is corrected as `choose_gloss` says wherever it is seen.
+void correct(Film& film, bool gloss);
 
 }  // namespace lumel

@@ -57,7 +57,7 @@ bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reco
     for (size_t pixel = 0; pixels && pixel < film.pixels(); ++pixel) add_measured(pixels->pixels[pixel], pass[pixel]);
     small_lamps.add(accel, config.samples, key(config.stream, ~uint64_t{film.passes}), pass);
     film.add(pass);
-    if (config.gather) correct(film);
+    if (config.gather) correct(film, config.gloss);
     return true;
 }
 

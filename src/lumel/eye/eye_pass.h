@@ -15,6 +15,7 @@ struct EyePassConfig {
     uint32_t samples = 16;      ///< of this pass, for the mean pixel (see `samples_of_pass`), spread over the pixel (box filter)
     bool direct_light = true;   ///< false without the first shot: then the solution holds the direct light too
     bool gather = true;         ///< gather indirect light where the reconstruction is off; needs direct_light
+    bool gloss = true;          ///< mix rays of the lobe into gloss where that is better (see choose_gloss)
     uint64_t stream = 0;        ///< key of the random numbers of the picture, whatever the pass
 };
 

@@ -9,8 +9,9 @@ namespace {
 constexpr uint32_t kTile = 8;   // pixels along the edge of a tile, in which noise is taken as even
 constexpr float kDark = 0.01f;  // e over the squared mean of the picture, in squares over L^2 + e
 constexpr double kShared = 2;   // weight of errors that pixels share, against noise
-constexpr double kChance = 2;   // standard errors of b^2 that chance may explain
-constexpr double kCost = 0.4;   // of a ray of the lobe, in eye samples without
+constexpr double kOfThree = 0.5;  // of the sum of the errors of three vertices, squared: they are independent (mean of the squared weights)
+constexpr double kChance = 2;  // standard errors of b^2 that chance may explain
+constexpr double kCost = 0.4;  // of a ray of the lobe, in eye samples without
 
 /// lum of a variance, as if its channels were one.
 double noise(Rgb variance) { return double{sqr(lum(square_root(variance)))}; }
@@ -18,12 +19,12 @@ double noise(Rgb variance) { return double{sqr(lum(square_root(variance)))}; }
 /// Errors of the gloss of one material over L^2 + e, summed over the pixels that see it.
 struct Gloss {
     double pixels = 0;
-    double told = 0;                // b^2 as the solution tells it,
-    double common = 0, common2 = 0; // and products of D in neighbouring pixels, and their squares
-    double gathered = 0;            // variance of D
-    double roots = 0;               // what it adds to those of Errors if every eye sample follows the lobe
+    double told = 0;  // b^2 as the solution tells it,
+    double common = 0, common2 = 0;  // and products of D in neighbouring pixels, and their squares
+    double gathered = 0;  // variance of D
+    double roots = 0;  // what it adds to those of Errors if every eye sample follows the lobe
 
-    double solution() const { return kShared * std::max(told, common - kChance * std::sqrt(common2)); }
+    double solution() const { return kShared * std::max(kOfThree * told, common - kChance * std::sqrt(common2)); }
 };
 
 /// Where samples go where they are needed, they leave the square of the sum over pixels of the roots of the variances of one sample, over

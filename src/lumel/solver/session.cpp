@@ -109,7 +109,7 @@ std::vector<MeasuredArea> Session::measured(uint32_t camera, const Estimator& es
 bool Session::eye_pass(uint32_t camera, uint32_t samples) {
     Film& film = films_[camera];
     const bool first_shot = config_.solver.first_shot;
-    const EyePassConfig pass{samples, first_shot, first_shot, key(config_.solver.seed, kEye, camera)};
+    const EyePassConfig pass{samples, first_shot, first_shot, config_.solver.gather > 0, key(config_.solver.seed, kEye, camera)};
     return lumel::eye_pass(accel_, cameras_[camera], camera, *reconstruction_, pixels(camera), pass, &stop_, film);
 }
 
