@@ -18,7 +18,9 @@ from lumel.settings import QUALITIES, Quality
 from test_render_determinism import assert_same
 
 
-def chosen(monkeypatch: pytest.MonkeyPatch, costs: Mapping[str, float] | None = None, hard: float = 0.0, **settings: Any) -> lumel.Result:
+def chosen(
+    monkeypatch: pytest.MonkeyPatch, costs: Mapping[str, float] | None = None, hard: float = 0.0, scene: str = "lumel:cube", **settings: Any
+) -> lumel.Result:
     """A small render by a quality, where another transport is tried if rays need the share `hard` of the time; of these costs, where they
     are given."""
     monkeypatch.setattr("lumel.schedule.SHORTEST_LOOK", 0.0)
@@ -28,7 +30,7 @@ def chosen(monkeypatch: pytest.MonkeyPatch, costs: Mapping[str, float] | None = 
     if costs:
         monkeypatch.setattr(trial, "error_times_seconds", lambda work, _replica: costs[work.transport] * work.patches)
     small: dict[str, Any] = {"size": (48, 36), "patches": 1500}
-    return lumel.render(lumel.load("lumel:cornell"), **small | settings)
+    return lumel.render(lumel.load(scene), **small | settings)
 
 
 @pytest.mark.parametrize(
@@ -46,7 +48,7 @@ def test_what_is_clearly_better_is_chosen(monkeypatch: pytest.MonkeyPatch, costs
 
 def test_a_trial_leaves_a_good_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     # What a trial shot is forgotten: the light is that of a render without any, to within both their errors.
-    plain = lumel.render(lumel.load("lumel:cornell"), rays=2_000_000, size=(48, 36), patches=1500, seed=5)
+    plain = lumel.render(lumel.load("lumel:cube"), rays=2_000_000, size=(48, 36), patches=1500, seed=5)
     for costs in (None, {"rays": 1.0, "bundles": 0.1}):
         tried = chosen(monkeypatch, costs)
         assert "trial" in str(tried.stats["why_transport"])
@@ -59,6 +61,13 @@ def test_nothing_is_tried_where_rays_are_asked_for(monkeypatch: pytest.MonkeyPat
     result = chosen(monkeypatch, {"rays": 1.0, "bundles": 0.1}, **settings)
     assert result.stats["transport"] == "rays"
     assert "trial" not in str(result.stats["why_transport"])
+
+
+def test_nothing_is_tried_that_lets_light_through_walls(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Boxes stand across patches of the floor, and bundles send from all of these.
+    result = chosen(monkeypatch, {"rays": 1.0, "bundles": 0.1}, scene="lumel:cornell")
+    assert result.stats["transport"] == "rays"
+    assert "walls divide patches" in str(result.stats["why_transport"])
 
 
 @pytest.mark.parametrize("settings", [{"rays": 20_000}, {"error": 0.5}, {"time": 0.3}, {"quality": "draft"}])

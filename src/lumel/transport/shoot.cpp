@@ -99,7 +99,7 @@ Lost land(const Scene& scene, const Flights& flights, const HitBlock& hits, Tran
     std::array<uint32_t, kBlock + 1> ray_of_placed;
     for (uint32_t i = 0; i < count; ++i) {
         // Where light came to counts on divided sides, however plain.
-        const bool is_plain = scene.is_plain(triangle[i]) & !scene.is_divided(side[i]);
+        const bool is_plain = scene.is_plain(triangle[i]) && !scene.is_divided(side[i]);
         transfers.plain_side[plain] = side[i];
         transfers.plain[plain] = {flights.flux[i], flights.inv_pdf[i]};
         ray_of_placed[placed] = i;
