@@ -1,6 +1,7 @@
 """The demo: the built-in scene with the `classical` and the `weighted` estimator at equal time, and how far each is from the truth.
 
-Both have their defaults: `weighted` joins gathering samples to those of shooting, in its time; `classical` is shooting alone.
+Both have their defaults: `weighted` joins gathering samples to those of shooting, and mixes rays of the lobe into the picture where that is
+better, in its time; `classical` is shooting alone.
 """
 
 from __future__ import annotations

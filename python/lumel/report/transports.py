@@ -29,9 +29,9 @@ def make(lab: Lab) -> Figure:
         title="All transports with all estimators, at equal time",
         scene=lab.scene(BUST).source,
         shows=f"""Errors of the light in gloss after {mean_time(runs.values()):.1f} s each, with the defaults of `lumel render`:
-        `classical` is shooting alone, the others join gathering samples to it, in the same time. Red is too bright, blue too dark,
-        white right; grey has no light in gloss. The numbers are relMSE; the noise of the reference, {reference.noise:.2g}, is
-        subtracted.""",
+        `classical` is shooting alone, the others join gathering samples to it, and mix rays of the lobe that start at what the
+        eye sees into the picture where that is better, in the same time. Red is too bright, blue too dark, white right; grey has no
+        light in gloss. The numbers are relMSE; the noise of the reference, {reference.noise:.2g}, is subtracted.""",
         claim="""Not in the paper. Every transport makes samples for every estimator, and all pairs converge to the same picture.""",
         found=[f"Least error: {best[0]} with `{best[1]}`, relMSE {error[best]:.3g}."],
         pictures=[
