@@ -14,7 +14,7 @@ constexpr double kChance = 2;  // standard errors of b^2 that chance may explain
 constexpr double kCost = 0.4;  // of a ray of the lobe, in eye samples without
 
 /// lum of a variance, as if its channels were one.
-double noise(Rgb variance) { return double{sqr(lum(square_root(variance)))}; }
+double noise(Rgb variance) { return sqr(double{lum(square_root(variance))}); }
 
 /// Errors of the gloss of one material over L^2 + e, summed over the pixels that see it.
 struct Gloss {
@@ -35,7 +35,7 @@ struct Errors {
 
     GlossChoice choice(const Gloss& g) const {
         const double b2 = g.solution();
-        if (!(b2 > 0)) return {};
+        if (!(b2 > 0) || !std::isfinite(b2 + g.gathered)) return {};
         // After as many samples again: with the solution alone, or with the best mixture, for which there is time for fewer samples.
         const double rest = sqr(roots) / (2 * samples), fewer = 1 + kCost * g.pixels / pixels,
                      variance = (sqr(roots + g.roots) - sqr(roots)) / (2 * samples) * fewer;
@@ -100,6 +100,7 @@ private:
 std::vector<GlossChoice> choose_gloss(const Film& film) {
     double light = 0;
     for (const PassMoments& pixel : film.uncorrected) light += double{lum(pixel.mean())};
+    if (!(light > 0)) return {};
     const Tiles tiles(film, double{kDark} * sqr(light / static_cast<double>(film.pixels())));
     std::vector<GlossChoice> choices;
     for (const Gloss& gloss : tiles.errors().gloss) choices.push_back(tiles.errors().choice(gloss));

@@ -23,23 +23,32 @@ SmallLamps::SmallLamps(const Scene& scene, const Camera& camera) : scene_(scene)
         if (!(depth > 0) || !(radius < kMostRadius)) continue;
         is_small_.resize(scene.shapes());
         is_small_[lamp.shape] = 1;
-        lamps_.push_back({&lamp, kPi * sqr(radius)});
+        const Vec3 to = lamp.centre - camera.origin;
+        const float widest = depth + 2 * lamp.radius;  // of its points, the deepest
+        if (std::abs(dot(to, camera.right)) - lamp.radius > widest * camera.tan_x) continue;
+        if (std::abs(dot(to, camera.up)) - lamp.radius > widest * camera.tan_y) continue;
+        lamps_.push_back({&lamp, std::max(kFewestPoints, kPoints * kPi * sqr(radius))});
     }
+    // Very many lamps share as many points as there are eye samples.
+    float points = 0;
+    for (const Lamp& lamp : lamps_) points += lamp.points;
+    const float most = static_cast<float>(camera.width) * static_cast<float>(camera.height);
+    if (points > most)
+        for (Lamp& lamp : lamps_) lamp.points *= most / points;
 }
 
 void SmallLamps::add(const Accel& accel, uint32_t samples, uint64_t stream, std::span<PixelPass> pass) const {
     std::vector<std::vector<Splat>> found(lamps_.size());
     tbb::parallel_for(size_t{0}, lamps_.size(), [&](size_t i) {
         const FlushDenormals flush;
-        const float points = static_cast<float>(samples) * std::max(kFewestPoints, kPoints * lamps_[i].pixels);
-        found[i] = splats(accel, lamps_[i], static_cast<uint32_t>(points), key(stream, i));
+        const float points = std::max(1.0f, static_cast<float>(samples) * lamps_[i].points);
+        found[i] = splats(accel, *lamps_[i].lamp, static_cast<uint32_t>(points), key(stream, i));
     });
     for (const std::vector<Splat>& all : found)
         for (const Splat& splat : all) pass[splat.pixel].sum.emission += splat.radiance * static_cast<float>(pass[splat.pixel].samples);
 }
 
-std::vector<SmallLamps::Splat> SmallLamps::splats(const Accel& accel, const Lamp& seen, uint32_t points, uint64_t stream) const {
-    const AreaLamp& lamp = *seen.lamp;
+std::vector<SmallLamps::Splat> SmallLamps::splats(const Accel& accel, const AreaLamp& lamp, uint32_t points, uint64_t stream) const {
     // Area of a point, over that of a pixel on the plane at distance 1 before the camera.
     const float area = lamp.area / static_cast<float>(points) * static_cast<float>(camera_.width) * static_cast<float>(camera_.height) /
                        (4 * camera_.tan_x * camera_.tan_y);

@@ -26,19 +26,19 @@ public:
 private:
     struct Lamp {
         const AreaLamp* lamp;
-        float pixels;  ///< that it covers at the most
+        float points;  ///< for every sample a pixel
     };
     /// Radiance in one pixel.
     struct Splat {
         uint32_t pixel;
         Rgb radiance;
     };
-    std::vector<Splat> splats(const Accel& accel, const Lamp& lamp, uint32_t points, uint64_t stream) const;
+    std::vector<Splat> splats(const Accel& accel, const AreaLamp& lamp, uint32_t points, uint64_t stream) const;
 
     const Scene& scene_;
     const Camera& camera_;
     std::vector<uint8_t> is_small_;  // by shape, empty if none is
-    std::vector<Lamp> lamps_;
+    std::vector<Lamp> lamps_;  // those that may be in the picture
 };
 
 }  // namespace lumel
