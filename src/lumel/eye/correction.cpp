@@ -167,7 +167,14 @@ struct Differences {
                         [&](size_t other, int, int) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
         return p;
     }
-    Part at(int x, int y, float least) const {
+    /// Variance of one ray's difference over the square of the light, in the whole picture.
+    float usual_of_ray() const {
+        double variance = 0, squares = 0;
+        for (const Difference& d : all) variance += double{noise(d.variance)} * double{d.samples}, squares += sqr(double{d.light});
+        return squares > 0 ? static_cast<float>(variance / squares) : 0;
+    }
+    /// The correction of a pixel, to which a ray brings at least the variance `of_ray` over the square of the light. `least`: see `part`.
+    Part at(int x, int y, float of_ray, float least) const {
         const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
         Around around;
         for_each_around(x, y, kReach, 1, [&](size_t other, int i, int j) {
@@ -177,7 +184,8 @@ struct Differences {
         float variance = 0, light = 0;
         for_each_around(x, y, kWide, kStride,
                         [&](size_t other, int, int) { variance += noise(all[other].variance), light += sqr(all[other].light); });
-        return part(all[pixel], around, light > 0 ? variance / light : 0, film.passes, least);
+        const float usual = std::max(light > 0 ? variance / light : 0, of_ray / std::max(1.0f, all[pixel].samples));
+        return part(all[pixel], around, usual, film.passes, least);
     }
 };
 
@@ -195,6 +203,9 @@ void correct(Film& film, bool gloss) {
     if (film.passes < 2) return;
     const Differences diffuse(film, film.diffuse, &EyeSample::indirect_diffuse),
         specular(film, film.specular, &EyeSample::indirect_specular);
+    // Light that a few of all rays find, such as that of a small lit spot, is missed by all rays around a pixel. Diffuse lobes are much
+    // alike, so the whole picture tells how much that is; specular ones are not.
+    const float of_ray = diffuse.usual_of_ray();
     const std::vector<GlossChoice> choices = gloss ? choose_gloss(film) : std::vector<GlossChoice>{};
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
@@ -209,7 +220,8 @@ void correct(Film& film, bool gloss) {
             if (!near && probe_d.samples > kProbed) correction.stride = Correction::kSeldom;
             if (!near && !(choice.share > 0)) continue;
             const Difference &own_d = diffuse.all[pixel], &own_s = specular.all[pixel];
-            const Part d = near ? diffuse.at(x, y, 0) : Part{}, s = near ? specular.at(x, y, choice.share) : part(own_s, choice.share);
+            const Part d = near ? diffuse.at(x, y, of_ray, 0) : Part{},
+                       s = near ? specular.at(x, y, 0, choice.share) : part(own_s, choice.share);
             const float light_d = std::abs(own_d.light), light_s = std::abs(own_s.light);
             correction.value = {d.value, s.value};
             correction.stderr_ = square_root(d.variance + s.variance);
