@@ -8,7 +8,7 @@
 #include "lumel/sampling/hash.h"
 #include "lumel/sampling/warp.h"
 #include "lumel/scene/surface.h"
-#include "lumel/solver/solver.h"
+#include "lumel/solver/session.h"
 #include "scenes.h"
 #include "stats.h"
 
@@ -69,6 +69,20 @@ inline Solver solved(const Stage& stage, const RunConfig& config, PatchAreas are
     return solver;
 }
 inline PatchAreas no_areas(const Scene& scene) { return PatchAreas(scene, {}, {}); }
+
+/// What surfaces without gloss absorb, over what the lamps send, after four replicas.
+inline double absorbed_share(Session& session) {
+    for (int replica = 0; replica < 4; ++replica) run_replica(session.solver(), {.rays = 100000, .solve_rays = 100000});
+    const SideField direct = session.solver().direct(), indirect = session.indirect();
+    const Scene& scene = session.scene();
+    double absorbed = 0;
+    for (uint32_t side = 0; side < scene.sides(); ++side) {
+        const double keeps = 1 - double{lum(scene.material(scene.triangle_of_side(side)).diffuse)};
+        if (scene.open_share(side) > 0)
+            absorbed += keeps * double{lum(direct.mean[side] + indirect.mean[side])} * double{scene.side_area(side)};
+    }
+    return absorbed / lamp_power(scene);
+}
 
 /// Direct and shot irradiance of every side together, W/m2.
 inline std::vector<Rgb> total_irradiance(const Solver& solver, const Scene& scene) {

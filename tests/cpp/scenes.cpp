@@ -143,6 +143,17 @@ SceneBuilder soup(uint64_t seed) {
     return b;
 }
 
+Camera camera_over_floor(float x) {
+    return {.origin = {x, 0.02f, 0.9f},
+            .right = {1, 0, 0},
+            .up = {0, 0.8f, 0.6f},
+            .forward = {0, 0.6f, -0.8f},
+            .tan_x = 1.2f,
+            .tan_y = 1.2f,
+            .width = 32,
+            .height = 32};
+}
+
 double lamp_power(const Scene& scene) {
     double power = 0;
     for (const AreaLamp& lamp : scene.area_lamps()) power += lum(lamp.radiance) * double{lamp.area} * double{kPi};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lumel/accel/accel.h"
+#include "lumel/scene/camera.h"
 #include "lumel/scene/lattice.h"
 #include "lumel/transport/defensive.h"
 
@@ -88,6 +89,9 @@ struct Stage {
     Stage(const Stage&) = delete;
     Stage& operator=(const Stage&) = delete;
 };
+
+/// A camera of 32 x 32 pixels within the unit cube, at `x` beside the face y = 0, that looks down on the floor.
+Camera camera_over_floor(float x);
 
 /// Flux of all lamps, W (luminance).
 double lamp_power(const Scene& scene);

@@ -20,25 +20,6 @@ Scene room_with_block(uint64_t patches, Vec3 lower, Vec3 upper, const Material& 
     return b.build(patches);
 }
 
-/// Light that all surfaces absorb, over that of the lamp.
-double absorbed_share(Session& session) {
-    for (int replica = 0; replica < 4; ++replica) {
-        session.solver().begin_replica(100000);
-        session.solver().step(100000);
-        session.solver().end_replica();
-    }
-    const SideField direct = session.solver().direct(), indirect = session.indirect();
-    const Scene& scene = session.scene();
-    double absorbed = 0, emitted = 0;
-    for (uint32_t side = 0; side < scene.sides(); ++side) {
-        const double keeps = 1 - double{lum(scene.material(scene.triangle_of_side(side)).diffuse)};
-        if (scene.open_share(side) > 0)
-            absorbed += keeps * double{lum(direct.mean[side] + indirect.mean[side])} * double{scene.side_area(side)};
-    }
-    for (const AreaLamp& lamp : scene.area_lamps()) emitted += double{kPi} * double{lum(lamp.radiance)} * double{lamp.area};
-    return absorbed / emitted;
-}
-
 }  // namespace
 
 TEST(Covers, count_what_a_block_leaves_open) {
@@ -83,14 +64,7 @@ TEST(Covers, points_under_a_block_are_no_part_of_what_gathers) {
     // The density of areas that the block covers in part integrates to 1 over what is open of them: with 64 points that tell how much that
     // is, to 1 %, and five standard errors over seeds. It was 1.3 when points under the block counted.
     constexpr int kSeeds = 6;
-    const Camera camera{.origin = {0.5f, 0.02f, 0.9f},
-                        .right = {1, 0, 0},
-                        .up = {0, 0.8f, 0.6f},
-                        .forward = {0, 0.6f, -0.8f},
-                        .tan_x = 1.2f,
-                        .tan_y = 1.2f,
-                        .width = 32,
-                        .height = 32};
+    const Camera camera = camera_over_floor(0.5f);
     for (Transport transport : kTransports) {
         std::vector<double> densities;
         for (uint64_t seed = 1; seed <= kSeeds; ++seed) {

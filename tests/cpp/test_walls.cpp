@@ -102,16 +102,7 @@ TEST(Walls, lose_no_light_under_them) {
         b.shape(white).quad({0, 0, 0}, {0, 1, 0}, {0, 0, 1}).quad({1, 0, 0}, {0, 0, 1}, {0, 1, 0});
         b.shape(b.material(matt(0)), grey(10)).quad({0.1f, 0.1f, 0.99f}, {0, 0.2f, 0}, {0.2f, 0, 0});
         Session session(b.build(300), {}, {.solver = {.direct_samples = 256, .seed = seed}});
-        for (int replica = 0; replica < 4; ++replica) run_replica(session.solver(), {.rays = 100000, .solve_rays = 100000});
-        const SideField direct = session.solver().direct(), indirect = session.indirect();
-        const Scene& scene = session.scene();
-        double absorbed = 0, emitted = 0;
-        for (uint32_t side = 0; side < scene.sides(); ++side) {
-            const double keeps = 1 - double{lum(scene.material(scene.triangle_of_side(side)).diffuse)};
-            absorbed += keeps * double{lum(direct.mean[side] + indirect.mean[side])} * double{scene.side_area(side)};
-        }
-        for (const AreaLamp& lamp : scene.area_lamps()) emitted += double{kPi} * double{lum(lamp.radiance)} * double{lamp.area};
-        shares.push_back(absorbed / emitted);
+        shares.push_back(absorbed_share(session));
     }
     const Mean mean = mean_of(shares);
     EXPECT_NEAR(mean.value, 1, 1e-3 + 5 * mean.error);
@@ -122,14 +113,7 @@ TEST(Walls, parts_have_the_density_that_rays_count_with) {
     // The density of what comes to areas of the first part integrates to 1, whether it is shot alone or gathered as well: both must agree
     // on what each part of a side sends.
     constexpr int kSeeds = 6;
-    const Camera camera{.origin = {0.1f, 0.02f, 0.9f},
-                        .right = {1, 0, 0},
-                        .up = {0, 0.8f, 0.6f},
-                        .forward = {0, 0.6f, -0.8f},
-                        .tan_x = 1.2f,
-                        .tan_y = 1.2f,
-                        .width = 32,
-                        .height = 32};
+    const Camera camera = camera_over_floor(0.1f);
     for (float gather : {0.0f, 4000.0f})
         for (Transport transport : kRayTransports) {
             std::vector<double> densities;

@@ -11,14 +11,11 @@ namespace {
 constexpr int kReach = 1;           // pixels to each side whose variances are averaged
 constexpr float kEven = 0.2f;       // share of the samples that is dealt out evenly: few passes may have missed what is rare
 constexpr float kMostAtOnce = 16;   // times the mean
-constexpr float kDark = 0.01f;      // e over the squared mean of the picture
 constexpr int kBisections = 24;
 
 /// Variance of one sample over L^2 + e for every pixel, summed over channels.
 std::vector<float> relative_variances(const Film& film) {
-    double light = 0;
-    for (const PassMoments& pixel : film.uncorrected) light += double{lum(pixel.mean())};
-    const float e = kDark * sqr(static_cast<float>(light / static_cast<double>(film.pixels())));
+    const float e = Film::kDark * sqr(static_cast<float>(film.mean_light()));
     std::vector<float> relative;
     relative.reserve(film.pixels());
     for (size_t pixel = 0; pixel < film.pixels(); ++pixel) {

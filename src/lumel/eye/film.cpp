@@ -25,6 +25,12 @@ void Film::add(std::span<const PixelPass> pass) {
     ++passes;
 }
 
+double Film::mean_light() const {
+    double light = 0;
+    for (const PassMoments& pixel : uncorrected) light += double{lum(pixel.mean())};
+    return light / static_cast<double>(pixels());
+}
+
 EyeSample Film::mean(size_t pixel) const {
     EyeSample seen = sum[pixel] * (1 / std::max(1.0f, samples(pixel)));
     seen.indirect_diffuse = corrected(seen.indirect_diffuse, correction[pixel].value.diffuse);

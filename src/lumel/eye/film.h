@@ -112,6 +112,9 @@ struct Film {
     size_t pixels() const { return sum.size(); }
     /// Samples of all passes.
     float samples(size_t pixel) const { return uncorrected[pixel].count(); }
+    /// Mean radiance of the picture, lum, without corrections. Errors are held against L^2 + kDark times its square.
+    double mean_light() const;
+    static constexpr float kDark = 0.01f;
     /// Add a pass, one entry a pixel with at least one sample each.
     void add(std::span<const PixelPass> pass);
     /// The mean of all samples, corrected.

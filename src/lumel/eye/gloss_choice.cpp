@@ -7,7 +7,6 @@ namespace lumel {
 namespace {
 
 constexpr uint32_t kTile = 8;   // pixels along the edge of a tile, in which noise is taken as even
-constexpr float kDark = 0.01f;  // e over the squared mean of the picture, in squares over L^2 + e
 constexpr double kShared = 2;   // weight of errors that pixels share, against noise
 constexpr double kOfThree = 0.5;  // of the sum of the errors of three vertices, squared: they are independent (mean of the squared weights)
 constexpr double kChance = 2;  // standard errors of b^2 that chance may explain
@@ -98,10 +97,9 @@ private:
 }  // namespace
 
 std::vector<GlossChoice> choose_gloss(const Film& film) {
-    double light = 0;
-    for (const PassMoments& pixel : film.uncorrected) light += double{lum(pixel.mean())};
+    const double light = film.mean_light();
     if (!(light > 0)) return {};
-    const Tiles tiles(film, double{kDark} * sqr(light / static_cast<double>(film.pixels())));
+    const Tiles tiles(film, double{Film::kDark} * sqr(light));
     std::vector<GlossChoice> choices;
     for (const Gloss& gloss : tiles.errors().gloss) choices.push_back(tiles.errors().choice(gloss));
     return choices;

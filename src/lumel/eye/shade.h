@@ -64,7 +64,7 @@ private:
     struct Meeting {
         Hit hit;
         Rgb throughput{1, 1, 1};
-        Rgb emission;  ///< what the first surface emits, small lamps apart
+        Rgb emission;  ///< what the first surface emits
         Rgb mirrored_emission;  ///< what surfaces emit that were met over mirrors, their tints applied
         float distance = 0;  ///< of the first surface, mirror or not
         int mirrors = 0;
