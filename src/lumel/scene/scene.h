@@ -59,8 +59,15 @@ struct AreaLamp {
 /// What keeps light from a side, or from a part of it: what stands on the patch or cuts it.
 struct Cover {
     float open_share = 1;            ///< of the side, that light can reach, 0..1
+    uint64_t parts = 0;              ///< a bit for each of kParts equal parts of the patch: those that no light can reach
     std::array<bool, 3> corner{};    ///< those of the patch that no light can reach
     bool divides = false;            ///< light at one of the other corners need not be that at another: a thin wall stands between
+
+    static constexpr uint32_t kDivisions = 8, kParts = kDivisions * kDivisions;
+    /// Is a point of the patch, given in it, covered?
+    bool covers(Square in_patch) const {
+        return parts != 0 && ((parts >> PatchPlace::of_point(kDivisions, in_patch.u, in_patch.v).index(kDivisions)) & 1) != 0;
+    }
 };
 
 /// Barycentric coordinates of the corners of a patch, seen from a little within: walls often begin right at them.
@@ -133,6 +140,9 @@ public:
     uint32_t divided_sides() const { return static_cast<uint32_t>(parts_.size()); }
     uint32_t divided_index(uint32_t side) const { return parts_of_side_[side]; }
     float open_share(uint32_t side) const { return cover(side).open_share; }
+    /// Is a part of this side covered?
+    bool is_open_in_part(uint32_t side) const { return cover(side).parts != 0; }
+    bool has_covers() const { return !covers_.empty(); }
     /// The part of a side that light can reach, m2; the whole patch where that is nothing.
     float side_area(uint32_t side) const {
         const float share = open_share(side);

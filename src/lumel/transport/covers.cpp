@@ -12,7 +12,7 @@ namespace lumel {
 
 namespace {
 
-constexpr uint32_t kFewPoints = 8, kManyPoints = 64;  // of a side; many where some of the few are covered
+constexpr uint32_t kFewPoints = 8, kManyPoints = Cover::kParts;  // of a side; many where some of the few are covered
 constexpr uint32_t kRays = 8;                         // of a point that is looked at closely
 constexpr float kLeastShare = 1.0f / 32;
 constexpr float kStep = 0.2f;     // between open points of one part, of the edge
@@ -66,16 +66,18 @@ public:
         Cover cover;
         uint32_t count = 0;
         for (uint32_t i = 0; i < where.size(); ++i) {
-            if (i >= 3) where[i] = point(i - 3);
+            if (i >= 3) where[i] = point_of_part(i - 3);
             covered[i] = is_covered(where[i], i, kRays);
             if (i < 3)
                 cover.corner[i] = covered[i];
             else
-                count += covered[i];
+                count += covered[i], cover.parts |= uint64_t{covered[i]} << (i - 3);
         }
         // What is covered may be too narrow for points to tell that it divides the rest.
         cover.divides = is_divided(where, covered) || is_crossed(cover.corner);
-        if (!cover.divides)
+        if (cover.divides)
+            cover.parts = 0;
+        else
             cover.open_share = count == kManyPoints ? 0 : std::max(kLeastShare, 1 - static_cast<float>(count) / kManyPoints);
         return cover;
     }
@@ -97,6 +99,10 @@ private:
         return !(met[0] && met[1] && met[2]);
     }
     Square point(uint32_t i) const { return square_to_triangle(sobol2d(i, key(0x0Eu, side_))); }
+    /// A point in one of the parts of a Cover.
+    Square point_of_part(uint32_t part) const {
+        return within(PatchPlace::of_index(Cover::kDivisions, part).corners(Cover::kDivisions), point(part));
+    }
     Surface surface(Square at) const {
         const Scene& scene = accel_.scene();
         return {scene, scene.point_on_patch(scene.patch_of_side(side_), at), scene.is_back(side_)};

@@ -42,7 +42,7 @@ struct Launcher::Block {
     void set(uint32_t i, const Ray& ray, Rgb flux, Rgb behind_mirror, float inv_pdf) {
         flights.rays.origin.set(i, ray.origin), flights.rays.direction.set(i, ray.direction);
         flights.flux.set(i, flux), flights.behind_mirror.set(i, behind_mirror);
-        flights.inv_pdf[i] = inv_pdf;
+        flights.inv_pdf[i] = inv_pdf, flights.covered[i] = false;
         flights.rays.traced[i] = inv_pdf > 0 || max_component(flux + behind_mirror) > 0 ? -1 : 0;
     }
 };
@@ -143,6 +143,8 @@ void Launcher::leave(Block& block, uint32_t i) {
     Flights& flights = block.flights;
     const Vec3 normal = source_->normal();
     launch(leaving_, normal, normal * shot_.scene.epsilon(), shot_.defensive_density(side), source_->behind_mirror(), flights, i);
+
+    std::copy_n(leaving_.covered.begin(), leaving_.size, flights.covered.begin() + i);
 
     // Bundles carry what goes straight from side to side, but for sharp lobes.
     if (shot_.beside_bundles)

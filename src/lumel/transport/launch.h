@@ -16,6 +16,7 @@ struct Flights {
     Vec3Array<kRoom> flux;                         ///< W
     Vec3Array<kRoom> behind_mirror;                ///< W that counts once a mirror has been passed
     alignas(32) std::array<float, kRoom> inv_pdf;  ///< cos(theta) / (n p), m2 sr; 0 for light that has no density
+    std::array<bool, kRoom> covered;               ///< whether no light can reach where the ray starts
 };
 
 /// Launches the rays of a shot. What a ray does depends on its index alone.

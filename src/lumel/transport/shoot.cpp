@@ -94,6 +94,10 @@ Lost land(const Scene& scene, const Flights& flights, const HitBlock& hits, Tran
     scene.tessellation().patches_of(triangle.data(), hits.u.data(), hits.v.data(), count, side.data());
     for (uint32_t i = 0; i < count; ++i) side[i] += hits.back[i] ? scene.patches() : 0;
 
+    // What starts under a box and comes to a patch that is open in part has met that part of it that is under the box as well.
+    for (uint32_t i = 0; scene.has_covers() && i < count; ++i)
+        if (flights.covered[i] && scene.is_open_in_part(side[i])) arrives[i] = 0;
+
     // Write all that arrives to where the next one of its kind goes: that takes less time than to decide whether to write.
     uint32_t plain = 0, placed = 0;
     std::array<uint32_t, kBlock + 1> ray_of_placed;

@@ -30,6 +30,8 @@ void SideSource::draw_points(Leaving& rays) const {
     const Vec3 a = scene_->position(point(0)), ab = scene_->position(point(1)) - a, ac = scene_->position(point(2)) - a;
     const Barycentrics b = barycentrics(rays);
     for (uint32_t i = 0; i < count; ++i) rays.y.set(i, a + ab * b.u[i] + ac * b.v[i]);
+    const Cover& cover = scene_->cover(side_);
+    for (uint32_t i = 0; i < rays.size; ++i) rays.covered[i] = cover.covers({b.u[i], b.v[i]});
     if (!scene_->is_smooth(triangle)) {
         for (uint32_t i = 0; i < count; ++i) rays.shading.set(i, normal_);
         return;

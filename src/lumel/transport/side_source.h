@@ -18,6 +18,7 @@ struct Leaving {
     std::array<double, kMost> at;                     ///< position in the power of the side that owns the direction, W
     Floats point_u, point_v, direction_u, direction_v;  ///< random numbers
     Vec3Array<kMost> y;                               ///< start
+    std::array<bool, kMost> covered;                  ///< whether no light can reach the start: see Cover
     Vec3Array<kMost> shading;                         ///< shading normal there
     Vec3Array<kMost> w;                               ///< unit direction; it may point below the surface
     Vec3Array<kMost> radiance;                        ///< W/(m2 sr)

@@ -8,12 +8,21 @@ namespace {
 
 enum Stream : uint64_t { kShoot = 12, kScatter, kRoulette };
 
+constexpr double kMostReflected = 0.999;  // of the light, by all surfaces together: a walk must end
+
 double total_power(const Scene& scene, const Emitters& emitters) {
     double power = 0;
     for (uint32_t side = 0; side < scene.sides(); ++side) power += emitters.power(scene, side);
     if (emitters.point_lamps)
         for (const PointLamp& lamp : scene.point_lamps()) power += 4 * kPi * lum(lamp.intensity);
     return power;
+}
+
+/// The largest share of light that any surface reflects, 0..1.
+double most_reflected(const Scene& scene) {
+    double most = 0;
+    for (const Material& m : scene.materials()) most = std::max(most, double{m.max_albedo()});
+    return std::min(most, kMostReflected);
 }
 
 }  // namespace
@@ -26,6 +35,7 @@ uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, Emitters emi
     std::vector<Rgb> received;
     uint64_t shot = 0;
     double first_power = 0;
+    const double reflected = most_reflected(scene);
 
     for (uint64_t generation = 0;; ++generation) {
         // Spend rays in proportion to the power that is left; below a minimum, roulette decides on the whole generation.
@@ -44,6 +54,9 @@ uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, Emitters emi
         shoot(step, transfers);
         scatter(scene, transfers, key(config.stream, kScatter, generation), received, next);
         shot += transfers.shot;
+        // What is known badly, such as how little of a patch is open, must not let light grow.
+        if (const double sent = total_power(scene, next); sent > reflected * power)
+            next.scale(static_cast<float>(reflected * power / sent));
         sink({transfers, step, received, next});
         std::swap(emitters, next);
         next.behind_mirror.clear();
