@@ -57,6 +57,41 @@ TEST(Smooth, takes_noise_out_of_smooth_light_and_keeps_its_mean) {
     EXPECT_LT(std::abs(e.mean), 4 * e.mean_stderr);
 }
 
+TEST(Smooth, takes_much_noise_out_of_many_small_sides) {
+    // Light that is linear in the normal has 4 numbers, which 5120 sides know well, however noisy each of them is.
+    const Errors e = errors(1, [](Vec3 n) { return 1 + 0.4f * n.x - 0.3f * n.z; });
+    EXPECT_LT(e.after, 0.16 * e.before);
+    EXPECT_LT(std::abs(e.mean), 4 * e.mean_stderr);
+}
+
+TEST(Smooth, keeps_what_many_sides_show_together) {
+    // Half a sphere in shadow: as noisy as it is strong on every side, and still not lost.
+    const Errors e = errors(1, [](Vec3 n) { return n.x > 0.1f ? 2.0f : 1.0f; });
+    EXPECT_LT(e.after, 0.25 * e.before);
+    EXPECT_LT(std::abs(e.mean), 4 * e.mean_stderr);
+}
+
+TEST(Smooth, believes_in_no_darkness_where_hardly_any_ray_came) {
+    // One side in ten was hit: all others are black and seem to be without noise. The mean stays what it is, and all have it.
+    SceneBuilder b;
+    b.shape(b.material(matt(0.5f))).sphere({0, 0, 0}, 1, 4, true);
+    const Scene scene = b.build(1);
+    SideField field{std::vector<Rgb>(scene.sides()), std::vector<Rgb>(scene.sides())};
+    constexpr float kChance = 0.1f;
+    for (uint32_t side = 0; side < scene.patches(); ++side)
+        if (to_unit(static_cast<uint32_t>(key(5, side))) < kChance) field.mean[side] = field.variance[side] = grey(1 / kChance);
+    for (Rgb& variance : field.variance) variance = variance * variance;
+    const SideField smooth = smoothed(scene, Lattice(scene), field);
+    const auto patches = static_cast<float>(scene.patches());
+    double before = 0, after = 0, off = 0;
+    for (uint32_t side = 0; side < scene.patches(); ++side) {
+        before += field.mean[side].y / patches, after += smooth.mean[side].y / patches;
+        off += sqr(double{smooth.mean[side].y} - 1) / patches;
+    }
+    EXPECT_NEAR(after, before, 0.1 * before);
+    EXPECT_LT(std::sqrt(off), 0.5);  // 3 before
+}
+
 TEST(Smooth, leaves_sharp_light_as_it_is_known) {
     // A shadow edge and a small bright spot, known 50 times better than they are strong: nothing becomes worse than the noise was.
     const Errors edge = errors(0.02f, [](Vec3 n) { return n.x > 0.1f ? 1.0f : 0.0f; });

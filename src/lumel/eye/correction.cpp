@@ -3,8 +3,10 @@
 #include <tbb/parallel_for.h>
 
 #include <array>
+#include <optional>
 #include <span>
 
+#include "lumel/eye/area_sums.h"
 #include "lumel/eye/gloss_choice.h"
 
 namespace lumel {
@@ -12,14 +14,15 @@ namespace lumel {
 namespace {
 
 constexpr int kReach = 2;              // pixels to each side that may be alike
-constexpr int kWide = 9, kStride = 3;  // pixels to each side, and how far apart, for the usual noise
+constexpr int kWide = 9;               // pixels to each side, for the usual noise
 constexpr float kAlikeNormal = 0.8f;   // cosine
 constexpr float kAlikeDepth = 0.1f, kAlikeAlbedo = 0.25f;  // relative differences
 constexpr float kNear = 0.05f;         // share of rays that must have met something near; twice that, and all is believed
-constexpr float kEnough = 24;  // gathering samples a pixel: with fewer, less is believed, for rare bright rays may not have come yet
+constexpr float kEnough = 6;  // gathering samples a pixel: with fewer, less is believed, for rare bright rays may not have come yet
 constexpr float kProbed = 64;  // gathering samples around that met nothing near: hardly any will
 constexpr float kMostBeyond = 2.5f;  // root mean squares that a pixel may differ from those around: rare bright rays differ by more,
 constexpr float kSure = 4;          // but not by so many standard errors
+constexpr float kMostOfNoise = 3;   // standard errors of others that gathering may find anywhere, but
 constexpr float kPassesToBeSure = 4;  // a few passes may agree by chance
 constexpr float kCost = 1;       // of a gathering ray, in eye samples without
 constexpr float kChance = 1;     // standard errors that chance may explain,
@@ -35,10 +38,22 @@ bool alike(const Film& film, size_t pixel, size_t other) {
            std::abs(lum(b.albedo) / samples_b - albedo) <= kAlikeAlbedo * albedo;
 }
 
+/// lum of a variance, as if its channels were one.
+float noise(Rgb variance) { return sqr(lum(square_root(variance))); }
+
 /// One kind of indirect light at a pixel: the mean excess, the variance of that mean, the light itself, how much is near.
 struct Difference {
     Rgb mean, variance;
     float light = 0, near = 0, samples = 0, passes = 0;
+
+    /// No larger than `most`, but where it came again and again.
+    Difference limited(float most) const {
+        const float size = std::abs(lum(mean));
+        if (!(size > most) || (passes >= kPassesToBeSure && sqr(size) > sqr(kSure) * noise(variance))) return *this;
+        Difference d = *this;
+        d.mean *= most / size, d.variance *= sqr(most / size);
+        return d;
+    }
 };
 
 Difference difference(const Gathered& gathered, float light) {
@@ -46,9 +61,6 @@ Difference difference(const Gathered& gathered, float light) {
     if (!gathered.excess.has_spread()) return {};
     return {gathered.excess.mean(), gathered.excess.variance(), light, gathered.near / samples, samples, gathered.excess.passes()};
 }
-
-/// lum of a variance, as if its channels were one.
-float noise(Rgb variance) { return sqr(lum(square_root(variance))); }
 
 /// Share of a difference that is worth adding, of which `real` is the square of what is not noise.
 float share(float real, float variance) { return real > 0 ? real / (real + variance) : 0.0f; }
@@ -61,17 +73,31 @@ float without_noise(float square, float variance, uint32_t passes) {
 struct Part {
     Rgb value, variance;
     float share = 0;
+
+    /// The same of what is left when `taken` of all is replaced by what rays found.
+    Part beside(const Difference& own, float taken) const {
+        const float left = 1 - taken;
+        return {value * left + own.mean * taken, variance * sqr(left) + own.variance * sqr(taken), share * left + taken};
+    }
 };
 
 /// Differences of a pixel and those around that are like it, at their places.
 struct Around {
-    static constexpr size_t kSide = 2 * kReach + 1;
-    std::array<const Difference*, kSide * kSide> at{};  // by rows, null where the pixel is not alike
+    static constexpr size_t kSide = 2 * kReach + 1, kMost = kSide * kSide, kOwn = kMost / 2;
+    std::array<std::optional<Difference>, kMost> at{};  // by rows, empty where the pixel is not alike
 
     template <class Body>
     void for_each(const Body& body) const {
-        for (const Difference* d : at)
+        for (const auto& d : at)
             if (d) body(*d);
+    }
+    /// Let a rare bright ray count no more than noise makes of others. `usual`: see `part`.
+    void limit(float usual) {
+        float roots = 0, lights = 0, count = 0;
+        for_each([&](const Difference& d) { roots += std::sqrt(noise(d.variance)), lights += sqr(d.light), ++count; });
+        const float most = kMostOfNoise * std::sqrt(std::max(sqr(roots / count), usual * lights / count));
+        for (auto& d : at)
+            if (d) *d = d->limited(most);
     }
     /// Square of the mean without noise, which makes `variance` of it: from what every other pixel and the pixels between them agree on.
     float square_of_mean(float variance, uint32_t passes) const {
@@ -86,7 +112,6 @@ struct Around {
     /// independent from pixel to pixel, so only what is truly there remains. Gives its standard error as well, for noise of variance
     /// `noise`.
     std::pair<float, float> common(Rgb mean, float noise) const {
-        constexpr size_t kOwn = (kSide * kSide) / 2;
         std::pair<float, float> most{0, 0};
         for (const size_t step : {size_t{1}, kSide}) {
             float sum = 0, pairs = 0;
@@ -101,13 +126,10 @@ struct Around {
     }
 };
 
-/// The correction of a pixel by a share of its own difference.
-Part part(const Difference& own, float share) { return {own.mean * share, own.variance * sqr(share), share}; }
-
-/// The correction of a pixel from its own difference and those of the pixels like it, itself among them. `usual`: variance of
-/// differences over the square of the light, in a wider neighbourhood: rare bright rays may have missed a small one. `least`: share that
-/// is added in any case.
-Part part(const Difference& own, const Around& around, float usual, uint32_t passes, float least) {
+/// The correction of a pixel from its own difference and those of the pixels like it. `usual`: variance of differences over the square of
+/// the light, in a wider neighbourhood: rare bright rays may have missed a small one.
+Part part(const Around& around, float usual, uint32_t passes) {
+    const Difference& own = *around.at[Around::kOwn];
     float count = 0;
     Rgb mean, variance;
     float near = 0, light = 0, samples = 0, beyond = 0;
@@ -115,7 +137,7 @@ Part part(const Difference& own, const Around& around, float usual, uint32_t pas
         mean += d.mean, variance += d.variance, near += d.near, light += sqr(d.light), samples += d.samples, ++count;
     });
     mean *= 1 / count, variance *= 1 / count, near /= count, light /= count, samples /= count;
-    if (!(near > kNear)) return part(own, least);
+    if (!(near > kNear)) return {};
     // What it has beyond them is judged by what the others have: a rare bright ray is no witness for itself, unless it comes again and
     // again.
     const float others = std::max(1.0f, count - 1);
@@ -128,9 +150,9 @@ Part part(const Difference& own, const Around& around, float usual, uint32_t pas
     const bool is_sure = own.passes >= kPassesToBeSure && sqr(size) > sqr(kSure) * own_noise;
     const auto [common, error] = around.common(mean_of_others, of_one);
     const float real = common - kMostChance * error, limit = is_sure || size <= usual_size ? 1.0f : usual_size / size;
-    const float single = std::max(least, trust * limit *
-                                             (is_sure ? share(without_noise(sqr(size), own_noise, passes), own_noise)
-                                                      : share(real, std::max(of_one, beyond - real))));
+    const float single = trust * limit *
+                         (is_sure ? share(without_noise(sqr(size), own_noise, passes), own_noise)
+                                  : share(real, std::max(of_one, beyond - real)));
     // Where the difference from the mean is added, the mean must be as well.
     const float smooth = std::max(trust * share(around.square_of_mean(of_one / count, passes), of_one / count), single);
     return {mean * smooth + differs * single, variance * (sqr(smooth) / count + sqr(single)), smooth};
@@ -140,19 +162,28 @@ Part part(const Difference& own, const Around& around, float usual, uint32_t pas
 struct Differences {
     const Film& film;
     std::vector<Difference> all;
+    AreaSums noises, lights;  // roots of the variances of the differences, and the light
 
     /// `light` is the light of that kind in an eye sample.
-    Differences(const Film& f, const std::vector<Gathered>& gathered, Rgb EyeSample::* light) : film(f) {
+    Differences(const Film& f, const std::vector<Gathered>& gathered, Rgb EyeSample::* light)
+        : film(f),
+          all(of_pixels(f, gathered, light)),
+          noises(f.width, f.height, [&](size_t pixel) { return std::sqrt(double{noise(all[pixel].variance)}); }),
+          lights(f.width, f.height, [&](size_t pixel) { return std::abs(double{all[pixel].light}); }) {}
+
+    static std::vector<Difference> of_pixels(const Film& f, const std::vector<Gathered>& gathered, Rgb EyeSample::* light) {
+        std::vector<Difference> all;
         all.reserve(f.pixels());
         for (size_t pixel = 0; pixel < f.pixels(); ++pixel)
             all.push_back(difference(gathered[pixel], lum(f.sum[pixel].*light) / f.samples(pixel)));
+        return all;
     }
 
-    /// Visit the pixels up to `reach` away to each side, in steps.
+    /// Visit a pixel and those around.
     template <class Body>
-    void for_each_around(int x, int y, int reach, int step, const Body& body) const {
-        for (int j = y - reach; j <= y + reach; j += step)
-            for (int i = x - reach; i <= x + reach; i += step)
+    void for_each_around(int x, int y, const Body& body) const {
+        for (int j = y - kReach; j <= y + kReach; ++j)
+            for (int i = x - kReach; i <= x + kReach; ++i)
                 if (i >= 0 && j >= 0 && i < static_cast<int>(film.width) && j < static_cast<int>(film.height))
                     body(size_t{film.width} * static_cast<size_t>(j) + static_cast<size_t>(i), i, j);
     }
@@ -163,29 +194,21 @@ struct Differences {
     };
     Probe probe(int x, int y) const {
         Probe p;
-        for_each_around(x, y, kReach, 1,
-                        [&](size_t other, int, int) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
+        for_each_around(x, y, [&](size_t other, int, int) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
         return p;
     }
-    /// Variance of one ray's difference over the square of the light, in the whole picture.
-    float usual_of_ray() const {
-        double variance = 0, squares = 0;
-        for (const Difference& d : all) variance += double{noise(d.variance)} * double{d.samples}, squares += sqr(double{d.light});
-        return squares > 0 ? static_cast<float>(variance / squares) : 0;
-    }
-    /// The correction of a pixel, to which a ray brings at least the variance `of_ray` over the square of the light. `least`: see `part`.
-    Part at(int x, int y, float of_ray, float least) const {
+    /// The correction of a pixel.
+    Part at(int x, int y) const {
         const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
         Around around;
-        for_each_around(x, y, kReach, 1, [&](size_t other, int i, int j) {
+        for_each_around(x, y, [&](size_t other, int i, int j) {
             if (other != pixel && (!(all[other].samples > 0) || !alike(film, pixel, other))) return;
-            around.at[static_cast<size_t>(j - y + kReach) * Around::kSide + static_cast<size_t>(i - x + kReach)] = &all[other];
+            around.at[static_cast<size_t>(j - y + kReach) * Around::kSide + static_cast<size_t>(i - x + kReach)] = all[other];
         });
-        float variance = 0, light = 0;
-        for_each_around(x, y, kWide, kStride,
-                        [&](size_t other, int, int) { variance += noise(all[other].variance), light += sqr(all[other].light); });
-        const float usual = std::max(light > 0 ? variance / light : 0, of_ray / std::max(1.0f, all[pixel].samples));
-        return part(all[pixel], around, usual, film.passes, least);
+        const double roots = noises.around(x, y, kWide), light = lights.around(x, y, kWide);
+        const float usual = light > 0 ? static_cast<float>(sqr(roots / light)) : 0;
+        around.limit(usual);
+        return part(around, usual, film.passes);
     }
 };
 
@@ -203,9 +226,6 @@ void correct(Film& film, bool gloss) {
     if (film.passes < 2) return;
     const Differences diffuse(film, film.diffuse, &EyeSample::indirect_diffuse),
         specular(film, film.specular, &EyeSample::indirect_specular);
-    // Light that a few of all rays find, such as that of a small lit spot, is missed by all rays around a pixel. Diffuse lobes are much
-    // alike, so the whole picture tells how much that is; specular ones are not.
-    const float of_ray = diffuse.usual_of_ray();
     const std::vector<GlossChoice> choices = gloss ? choose_gloss(film) : std::vector<GlossChoice>{};
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
@@ -219,15 +239,16 @@ void correct(Film& film, bool gloss) {
             const bool near = probe_d.near || probe_s.near;
             if (!near && probe_d.samples > kProbed) correction.stride = Correction::kSeldom;
             if (!near && !(choice.share > 0)) continue;
+            // A share of all gloss is that of rays; where something is near, the rest is mended as diffuse light is.
             const Difference &own_d = diffuse.all[pixel], &own_s = specular.all[pixel];
-            const Part d = near ? diffuse.at(x, y, of_ray, 0) : Part{},
-                       s = near ? specular.at(x, y, 0, choice.share) : part(own_s, choice.share);
-            const float light_d = std::abs(own_d.light), light_s = std::abs(own_s.light);
+            const Part d = near ? diffuse.at(x, y) : Part{}, s = (near ? specular.at(x, y) : Part{}).beside(own_s, choice.share);
             correction.value = {d.value, s.value};
             correction.stderr_ = square_root(d.variance + s.variance);
+            const float light_d = std::abs(own_d.light), light_s = std::abs(own_s.light);
             if (light_d + light_s > 0) correction.share = (d.share * light_d + s.share * light_s) / (light_d + light_s);
-            if (near && (d.share > 0 || s.share > choice.share))
-                correction.stride = best_stride(film, pixel, lum(d.variance) * own_d.samples + lum(s.variance) * own_s.samples);
+            // Even where noise still hides what is off, it must be found.
+            const float of_ray_d = std::max(lum(d.variance), lum(own_d.variance) / Around::kMost) * own_d.samples;
+            if (near) correction.stride = best_stride(film, pixel, of_ray_d + lum(s.variance) * own_s.samples);
         }
     });
 }

@@ -3,13 +3,12 @@
 #include <tbb/parallel_for.h>
 
 #include "lumel/eye/smooth.h"
+#include "lumel/sampling/warp.h"
 #include "lumel/scene/surface.h"
 
 namespace lumel {
 
 namespace {
-
-constexpr double kDivided = 1e-4;
 
 uint64_t edge_name(uint32_t a, uint32_t b) { return uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
 
@@ -30,8 +29,9 @@ Reconstruction::Reconstruction(const Accel& accel, const Lattice& lattice, const
       neighbourhood_(*scene_, lattice, solution.areas),
       specular_(solution.areas.eyes()) {
     find_cut_edges();
-    indirect_ = pool(smoothed(*scene_, lattice, solution.indirect));
-    direct_ = pool(solution.direct);
+    pool_.emplace(*scene_, lattice, [&](const Lattice::Hanging& hanging, bool back) { return is_cut(hanging, back); });
+    indirect_ = pooled(smoothed(*scene_, lattice, solution.indirect));
+    direct_ = pooled(solution.direct);
     for (uint32_t eye = 0; eye < solution.areas.eyes(); ++eye) estimate_specular(solution.areas, estimator, eye);
 }
 
@@ -59,37 +59,27 @@ bool Reconstruction::is_cut(const Lattice::Hanging& hanging, bool back) const {
     return std::binary_search(cut_edges_.begin(), cut_edges_.end(), name);
 }
 
-Reconstruction::VertexField Reconstruction::pool(const SideField& field) const {
-    const size_t n = size_t{lattice_->size()} * 2;
-    std::vector<double> area(n);
-    std::vector<Rgb64> value(n), variance(n);
-    for (uint32_t side = 0; side < scene_->sides(); ++side) {
-        const uint32_t patch = scene_->patch_of_side(side);
-        for (uint32_t vertex : lattice_->corners(patch)) {
-            // A patch that a wall divides has light of both parts: it counts where nothing else is known.
-            const double trust = scene_->cover(side).divides ? kDivided : 1.0,
-                         a = trust * double{scene_->side_area(side)} * double{lattice_->weight(vertex, patch)};
-            const uint32_t at = vertex_side(vertex, scene_->is_back(side));
-            area[at] += a;
-            value[at] += to_double(field.mean[side]) * a;
-            variance[at] += to_double(field.variance[side]) * (a * a);
+Reconstruction::VertexField Reconstruction::pooled(const SideField& field) const {
+    VertexField at{std::vector<Rgb>(pool_->size()), std::vector<Rgb>(pool_->size())};
+    tbb::parallel_for(uint32_t{0}, pool_->size(), [&](uint32_t vertex) {
+        double area = 0;
+        Rgb64 value, variance;
+        for (const VertexPool::Entry& entry : pool_->of(vertex)) {
+            const double a = double{entry.weight};
+            area += a;
+            value += to_double(field.mean[entry.side]) * a;
+            variance += to_double(field.variance[entry.side]) * (a * a);
         }
+        if (!(area > 0)) return;
+        at.value[vertex] = (value * (1 / area)).to_float();
+        at.stderr_[vertex] = square_root((variance * (1 / (area * area))).to_float());
+    });
+    for (const Lattice::Hanging& hanging : pool_->hanging()) {
+        const auto [a, b] = hanging.ends;
+        at.value[hanging.vertex] = (at.value[a] + at.value[b]) * 0.5f;
+        at.stderr_[hanging.vertex] = (at.stderr_[a] + at.stderr_[b]) * 0.5f;
     }
-    VertexField pooled{std::vector<Rgb>(n), std::vector<Rgb>(n)};
-    for (size_t at = 0; at < n; ++at) {
-        if (!(area[at] > 0)) continue;
-        pooled.value[at] = (value[at] * (1 / area[at])).to_float();
-        pooled.stderr_[at] = square_root((variance[at] * (1 / (area[at] * area[at]))).to_float());
-    }
-    for (const Lattice::Hanging& hanging : lattice_->hanging())
-        for (bool back : {false, true}) {
-            if (is_cut(hanging, back)) continue;
-            const uint32_t at = vertex_side(hanging.vertex, back), a = vertex_side(hanging.ends[0], back),
-                           b = vertex_side(hanging.ends[1], back);
-            pooled.value[at] = (pooled.value[a] + pooled.value[b]) * 0.5f;
-            pooled.stderr_[at] = (pooled.stderr_[a] + pooled.stderr_[b]) * 0.5f;
-        }
-    return pooled;
+    return at;
 }
 
 void Reconstruction::estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye) {
@@ -150,6 +140,15 @@ Reconstructed Reconstruction::irradiance(SurfacePoint p, bool back) const {
         r.stderr_ += indirect_.stderr_[at] * s.weight[k];
     }
     return r;
+}
+
+std::optional<SurfacePoint> Reconstruction::draw_source(SurfacePoint p, bool back, Square choice, Square where) const {
+    const Lattice::Stencil s = stencil(p, back);
+    int k = 0;
+    for (float left = choice.u - s.weight[0]; k < 2 && left >= 0; left -= s.weight[k]) ++k;
+    const std::optional<uint32_t> side = pool_->draw(vertex_side(s.vertex[k], back), choice.v);
+    if (!side) return {};
+    return scene_->point_on_patch(scene_->patch_of_side(*side), square_to_triangle(where));
 }
 
 Rgb Reconstruction::total_irradiance(SurfacePoint p, bool back) const {

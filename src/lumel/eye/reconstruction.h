@@ -6,6 +6,7 @@
 #include "lumel/accel/accel.h"
 #include "lumel/areas/estimates.h"
 #include "lumel/areas/irradiance.h"
+#include "lumel/eye/vertex_pool.h"
 #include "lumel/scene/lattice.h"
 
 namespace lumel {
@@ -32,6 +33,8 @@ public:
 
     /// Irradiance that was shot (indirect, or all without the first shot), W/m2.
     Reconstructed irradiance(SurfacePoint p, bool back) const;
+    /// A point on the same face, drawn by the share that the light around it has in `irradiance`; nothing where that is unknown.
+    std::optional<SurfacePoint> draw_source(SurfacePoint p, bool back, Square choice, Square where) const;
     /// Irradiance of all light, W/m2: what a ray finds that meets the surface from afar.
     Rgb total_irradiance(SurfacePoint p, bool back) const;
     /// Indirect specular radiance towards an eye, W/(m2 sr); nothing where none of the vertices around was measured.
@@ -48,7 +51,7 @@ private:
     struct VertexField {
         std::vector<Rgb> value, stderr_;
     };
-    VertexField pool(const SideField& field) const;
+    VertexField pooled(const SideField& field) const;
     void estimate_specular(const PatchAreas& areas, const Estimator& estimator, uint32_t eye);
     /// Make the field linear along edges that coarser cells share.
     void hang_specular(uint32_t eye);
@@ -62,6 +65,7 @@ private:
     const Accel* accel_;
     const Scene* scene_;
     const Lattice* lattice_;
+    std::optional<VertexPool> pool_;
     std::vector<uint64_t> cut_edges_;  // names of both vertex sides, sorted
     VertexField indirect_, direct_;
     Neighbourhood neighbourhood_;

@@ -7,6 +7,7 @@ namespace lumel {
 namespace {
 
 constexpr int kMirrors = 64, kLobes = 32;
+constexpr int kSources = 4;         // points of patches that are tried: some are under a box
 enum Kind : uint64_t { kDiffuse, kSpecular };
 constexpr float kNear = 2;          // patches: what is closer may make the reconstruction be off
 constexpr float kRoundLobe = 0.5f;  // roughness of a lobe that is about as wide as a diffuse one
@@ -111,9 +112,9 @@ EyeShader::Seen EyeShader::sample(Ray ray, const Hit& first, Gather gather, EyeS
     }
     if (gather.diffuse && max_component(x.material->diffuse) > 0) {
         EyeStream of_some = stream.of_some(kDiffuse, gather.before_diffuse);
-        const Brought brought = gather_irradiance(x, size, of_some);
-        seen.excess.diffuse = x.material->diffuse * brought.radiance - s.indirect_diffuse;
-        seen.excess.near_diffuse = brought.near ? 1.0f : 0.0f;
+        const Brought beyond = gather_beyond_patches(x, p, back, size, of_some);
+        seen.excess.diffuse = x.material->diffuse * beyond.radiance;
+        seen.excess.near_diffuse = beyond.near ? 1.0f : 0.0f;
     }
     for (Rgb* radiance : {&seen.lamps.radiance, &seen.lobe.radiance, &s.indirect_diffuse, &s.indirect_specular, &s.solution_stderr,
                           &s.specular_stderr, &seen.excess.diffuse, &seen.excess.specular})
@@ -166,10 +167,24 @@ EyeShader::Brought EyeShader::gather_lobe(const Surface& x, Vec3 wo, float size,
     return brought;
 }
 
-EyeShader::Brought EyeShader::gather_irradiance(const Surface& x, float size, EyeStream& stream) const {
+EyeShader::Brought EyeShader::gather_beyond_patches(const Surface& x, SurfacePoint p, bool back, float size, EyeStream& stream) const {
     const Vec3 wi = Frame(x.shading).to_world(square_to_cosine_hemisphere(stream.next()));
-    if (!(dot(x.normal, wi) > 0)) return {};
-    return gather({x.off(scene_.epsilon()), wi}, {1, 1, 1}, true, size, stream);
+    const EyeStream same = stream;
+    const auto look = [&](const Surface& from, Vec3 w) {
+        EyeStream numbers = same;
+        return dot(from.normal, w) > 0 ? gather({from.off(scene_.epsilon()), w}, {1, 1, 1}, true, size, numbers) : Brought{};
+    };
+    const Brought here = look(x, wi);
+    for (int attempt = 0; attempt < kSources; ++attempt) {
+        const Square choice = stream.next();
+        const std::optional<SurfacePoint> source = reconstruction_.draw_source(p, back, choice, stream.next());
+        if (!source) break;
+        const Surface y(scene_, *source, back);
+        if (!(dot(x.shading, y.shading) > 0)) break;
+        const Brought there = look(y, turned(wi, x.shading, y.shading));
+        if (!there.covered) return {here.radiance - there.radiance, here.near || there.near};
+    }
+    return {};
 }
 
 EyeShader::Brought EyeShader::gather(Ray ray, Rgb throughput, bool coarse, float size, EyeStream& stream) const {
@@ -181,6 +196,7 @@ EyeShader::Brought EyeShader::gather(Ray ray, Rgb throughput, bool coarse, float
         if (m.hit.is_miss()) break;
         throughput *= m.throughput;
         const Surface x(scene_, m.hit.point(), m.hit.back);
+        if (step == 0) brought.covered = !(scene_.open_share(scene_.side_of(m.hit.point(), m.hit.back)) > 0);
         if (!x.scatters) break;
         const Vec3 wo = -ray.direction;
         const Vec3 way = x.x - ray.origin;

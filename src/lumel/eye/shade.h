@@ -82,9 +82,12 @@ private:
     struct Brought {
         Rgb radiance;
         bool near = false;  ///< it met something so close that the reconstruction may be off where it came from
+        bool covered = false;  ///< it met what no light can reach, so that it came from under a cover
     };
-    /// Indirect irradiance over pi at x, W/(m2 sr), from one ray with density cos/pi.
-    Brought gather_irradiance(const Surface& x, float size, EyeStream& stream) const;
+    /// Indirect irradiance over pi at x, W/(m2 sr), beyond the reconstruction: what one ray with density cos/pi finds there, less what it
+    /// finds at a point of the patches that the reconstruction takes its light from. With the same random numbers both see the same of
+    /// what is far, so that only what patches are too coarse for is left, and hardly any noise.
+    Brought gather_beyond_patches(const Surface& x, SurfacePoint p, bool back, float size, EyeStream& stream) const;
     /// What x reflects of one ray of the specular lobe: from the solution, which holds the light of lamps as well if they are not sampled.
     Brought gather_lobe(const Surface& x, Vec3 wo, float size, EyeStream& stream) const;
     /// Radiance along `ray`, but what its first surface emits: diffuse from the patches, lamps sampled, specular lobes followed.

@@ -20,6 +20,13 @@ struct Frame {
     Vec3 to_world(Vec3 v) const { return s * v.x + t * v.y + n * v.z; }
 };
 
+/// `v`, turned as the unit vector `from` is turned into `to` on the shortest way; these are not opposite.
+constexpr Vec3 turned(Vec3 v, Vec3 from, Vec3 to) {
+    const Vec3 axis = cross(from, to);
+    const float cosine = dot(from, to);
+    return v * cosine + cross(axis, v) + axis * (dot(axis, v) / (1 + cosine));
+}
+
 /// The direction that a mirror of normal `m` sends `w` to; both point away from the surface.
 constexpr Vec3 reflect(Vec3 w, Vec3 m) { return m * (2.0f * dot(w, m)) - w; }
 
