@@ -109,4 +109,32 @@ TEST(Correction, brings_coarse_patches_to_what_fine_ones_show_in_a_gap) {
     EXPECT_LT(std::abs(change), 0.01 * size);
 }
 
+TEST(Correction, gathers_the_light_of_what_no_ray_has_met) {
+    // A block of 2 mm in a sphere of radius 1 that emits 1 and reflects half: the radiance is 2 all around, of which the first reflection
+    // of what the sphere emits is seen as direct light. So half of what is left is what the block reflects, though hardly a ray met it.
+    constexpr float kHalf = 0.001f;
+    SceneBuilder b;
+    b.shape(b.material(matt(0.5f)), grey(1)).sphere({0, 0, 0}, 1, 3, true);
+    b.shape(b.material(matt(0.5f))).box({-kHalf, -kHalf, -kHalf}, {kHalf, kHalf, kHalf}, false);
+    const Camera camera{.origin = {0, 0, 0.01f},
+                        .right = {1, 0, 0},
+                        .up = {0, 1, 0},
+                        .forward = {0, 0, -1},
+                        .tan_x = 0.05f,
+                        .tan_y = 0.05f,
+                        .width = 16,
+                        .height = 16};
+    Session session(b.build(2000), {camera}, {.solver = {.gather = 16, .seed = 5}});
+    for (int replica = 0; replica < 4; ++replica) {
+        session.solver().begin_replica(20000);
+        session.solver().step(20000);
+        session.solver().end_replica();
+    }
+    session.reconstruct();
+    for (int pass = 0; pass < 4; ++pass) session.eye_pass(0, 16);
+    double sum = 0;
+    for (size_t pixel = 0; pixel < session.film(0).pixels(); ++pixel) sum += double{session.film(0).mean(pixel).indirect_diffuse.y};
+    EXPECT_NEAR(sum / static_cast<double>(session.film(0).pixels()), 0.5, 0.03);
+}
+
 }  // namespace lumel::test

@@ -169,6 +169,25 @@ TEST(Covers, light_over_a_thin_ceiling_is_not_seen_below) {
     EXPECT_LT(below, 0.08 * above);
 }
 
+TEST(Covers, what_no_walk_meets_is_not_covered) {
+    // A lamp far away, and a block that is small for it: no walk comes there, but the block sees the sky, the plane and the lamp. Its
+    // inside sees the plane in which it stands, too, and is covered all the same.
+    SceneBuilder b;
+    b.shape(b.material(matt(kAlbedo))).quad({-3, -3, 0}, {6, 0, 0}, {0, 6, 0});
+    b.shape(b.material(matt(kAlbedo))).box({-0.1f, -0.1f, -0.05f}, {0.1f, 0.1f, 0.2f}, false);
+    b.shape(b.material(matt(0)), grey(1000)).quad({-400, -5, 300}, {0, 10, 0}, {10, 0, -10});
+    const Scene scene = b.build(400);
+    const Accel accel(scene);
+    const DefensiveStarts starts = survey(accel, 7);
+    const std::vector<Cover> covers = find_covers(accel, starts);
+    for (uint32_t patch = 0; patch < scene.patches(); ++patch) {
+        if (scene.shape(scene.triangle_of_patch(patch)) != 1) continue;
+        EXPECT_TRUE(starts.reaches(scene, scene.triangle_of_patch(patch), false));
+        EXPECT_GT(covers[patch].open_share, 0);
+        EXPECT_EQ(covers[patch + scene.patches()].open_share, 0);
+    }
+}
+
 TEST(Covers, nothing_is_covered_in_an_open_scene) {
     SceneBuilder b;
     b.shape(b.material(matt(kAlbedo))).quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0});

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "lumel/scene/lamp_sampler.h"
+#include "lumel/transport/first_shot.h"
 #include "scenes.h"
 #include "stats.h"
 
@@ -189,4 +190,20 @@ TEST(LampView, irradiance_next_to_lamps) {
         const bool at_ball = place.u < -0.5f;
         EXPECT_LT(m.error, (at_ball ? 0.05 : 0.02) * truth) << "at " << place.u << ", " << place.v;
     }
+}
+
+TEST(NearLamps, no_patch_has_more_light_than_the_brightest_lamp_can_give) {
+    // A lamp cuts a wall: what 4 samples of a patch say there has no bound, but none may say more than all of them.
+    SceneBuilder b;
+    b.shape(b.material(matt(0.5f))).box({0, 0, 0}, {1, 1, 1}, true);
+    b.shape(b.material(matt(0)), grey(10)).sphere({0, 0.5f, 0.5f}, 0.1f, 2, false, true);
+    const Stage stage(b.build(300));
+    constexpr uint32_t kSamples = 4;
+    float most = 0;
+    for (uint64_t seed = 1; seed <= 200; ++seed) {
+        Emitters emitters(stage.scene);
+        for (Rgb irradiance : direct_irradiance(stage.accel, stage.defensive, kSamples, seed, emitters))
+            most = std::max(most, irradiance.y);
+    }
+    EXPECT_LE(most, kSamples * 10 * kPi * 1.0001f);
 }

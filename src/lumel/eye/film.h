@@ -76,6 +76,7 @@ struct Gathered {
 /// For which lobes an eye sample gathers indirect light, and how many samples of the pixel did so before it.
 struct Gather {
     bool diffuse = false, specular = false;
+    bool is_allowed = false;  ///< where nothing else tells the light, all eye samples gather
     uint32_t before_diffuse = 0, before_specular = 0;
 };
 

@@ -10,7 +10,11 @@ constexpr int kMirrors = 64, kLobes = 32;
 constexpr int kSources = 4;         // points of patches that are tried: some are under a box
 enum Kind : uint64_t { kDiffuse, kSpecular };
 constexpr float kNear = 2;          // patches: what is closer may make the reconstruction be off
+constexpr float kUnknown = 0.3f;    // standard errors of the irradiance over it, above which a ray tells more
 constexpr float kRoundLobe = 0.5f;  // roughness of a lobe that is about as wide as a diffuse one
+
+/// A direction with density cos/pi around the shading normal.
+Vec3 draw_cosine(const Surface& x, Square s) { return Frame(x.shading).to_world(square_to_cosine_hemisphere(s)); }
 
 /// Draw the other direction of the specular lobe around `wo`; `scatter` is w_s / pdf_w.
 struct LobeDraw {
@@ -82,9 +86,16 @@ EyeShader::Seen EyeShader::sample(Ray ray, const Hit& first, Gather gather, EyeS
     s.albedo = m.throughput * (x.material->diffuse + (glossy ? x.material->albedo_s(cos) : Rgb{}));
     if (direct_light_) seen.lamps = lamps(x, wo, stream);
     const float size = std::sqrt(scene_.patch_area(scene_.patch_of(p)));
+    const bool is_matt = max_component(x.material->diffuse) > 0;
     const Reconstructed irradiance = reconstruction_.irradiance(p, back);
-    s.indirect_diffuse = x.material->diffuse * irradiance.value * kInvPi;
-    s.solution_stderr = x.material->diffuse * irradiance.stderr_ * kInvPi;
+    const bool is_known = !gather.is_allowed || !is_matt || lum(irradiance.stderr_) < kUnknown * lum(irradiance.value);
+    if (is_known) {
+        s.indirect_diffuse = x.material->diffuse * irradiance.value * kInvPi;
+        s.solution_stderr = x.material->diffuse * irradiance.stderr_ * kInvPi;
+    } else {
+        const Vec3 wi = draw_cosine(x, stream.next());
+        s.indirect_diffuse = x.material->diffuse * gather_irradiance(x, wi, size, stream).radiance;
+    }
 
     // The estimator knows the specular light towards the eye itself; where it was not measured, and what a mirror shows of a glossy
     // surface, is gathered.
@@ -110,7 +121,7 @@ EyeShader::Seen EyeShader::sample(Ray ray, const Hit& first, Gather gather, EyeS
             seen.excess.near_specular = brought.near ? 1.0f : 0.0f;
         }
     }
-    if (gather.diffuse && max_component(x.material->diffuse) > 0) {
+    if (gather.diffuse && is_matt && is_known) {
         EyeStream of_some = stream.of_some(kDiffuse, gather.before_diffuse);
         const Brought beyond = gather_beyond_patches(x, p, back, size, of_some);
         seen.excess.diffuse = x.material->diffuse * beyond.radiance;
@@ -167,21 +178,23 @@ EyeShader::Brought EyeShader::gather_lobe(const Surface& x, Vec3 wo, float size,
     return brought;
 }
 
+EyeShader::Brought EyeShader::gather_irradiance(const Surface& x, Vec3 wi, float size, EyeStream& stream) const {
+    if (!(dot(x.normal, wi) > 0)) return {};
+    return gather({x.off(scene_.epsilon()), wi}, {1, 1, 1}, true, size, stream);
+}
+
 EyeShader::Brought EyeShader::gather_beyond_patches(const Surface& x, SurfacePoint p, bool back, float size, EyeStream& stream) const {
-    const Vec3 wi = Frame(x.shading).to_world(square_to_cosine_hemisphere(stream.next()));
-    const EyeStream same = stream;
-    const auto look = [&](const Surface& from, Vec3 w) {
-        EyeStream numbers = same;
-        return dot(from.normal, w) > 0 ? gather({from.off(scene_.epsilon()), w}, {1, 1, 1}, true, size, numbers) : Brought{};
-    };
-    const Brought here = look(x, wi);
+    const Vec3 wi = draw_cosine(x, stream.next());
+    EyeStream same = stream;
+    const Brought here = gather_irradiance(x, wi, size, stream);
     for (int attempt = 0; attempt < kSources; ++attempt) {
         const Square choice = stream.next();
         const std::optional<SurfacePoint> source = reconstruction_.draw_source(p, back, choice, stream.next());
         if (!source) break;
         const Surface y(scene_, *source, back);
         if (!(dot(x.shading, y.shading) > 0)) break;
-        const Brought there = look(y, turned(wi, x.shading, y.shading));
+        EyeStream numbers = same;
+        const Brought there = gather_irradiance(y, turned(wi, x.shading, y.shading), size, numbers);
         if (!there.covered) return {here.radiance - there.radiance, here.near || there.near};
     }
     return {};

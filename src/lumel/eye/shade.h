@@ -84,7 +84,9 @@ private:
         bool near = false;  ///< it met something so close that the reconstruction may be off where it came from
         bool covered = false;  ///< it met what no light can reach, so that it came from under a cover
     };
-    /// Indirect irradiance over pi at x, W/(m2 sr), beyond the reconstruction: what one ray with density cos/pi finds there, less what it
+    /// Indirect irradiance over pi at x, W/(m2 sr), from one ray along `wi`, whose density is cos/pi.
+    Brought gather_irradiance(const Surface& x, Vec3 wi, float size, EyeStream& stream) const;
+    /// The same beyond the reconstruction: what one ray with density cos/pi finds there, less what it
     /// finds at a point of the patches that the reconstruction takes its light from. With the same random numbers both see the same of
     /// what is far, so that only what patches are too coarse for is left, and hardly any noise.
     Brought gather_beyond_patches(const Surface& x, SurfacePoint p, bool back, float size, EyeStream& stream) const;

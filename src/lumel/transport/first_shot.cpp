@@ -28,7 +28,11 @@ template <class Use>
 class DirectSamples {
 public:
     /// `use` is called with every sample that is lit, in the order in which they are drawn.
-    DirectSamples(const Accel& accel, uint64_t stream, Use use) : accel_(accel), scene_(accel.scene()), stream_(stream), use_(use) {}
+    DirectSamples(const Accel& accel, uint64_t stream, Use use) : accel_(accel), scene_(accel.scene()), stream_(stream), use_(use) {
+        for (const AreaLamp& lamp : scene_.area_lamps())
+            brightest_ = {std::max(brightest_.x, lamp.radiance.x), std::max(brightest_.y, lamp.radiance.y),
+                          std::max(brightest_.z, lamp.radiance.z)};
+    }
 
     /// Draw samples 0 to `count` of a side.
     void draw(uint32_t side, uint32_t count) {
@@ -42,7 +46,9 @@ public:
             const LampSample lamp = LampView(scene_, x).sample(sobol2d(i, streams[1]).u, sobol2d(i, streams[2]));
             const float cos = dot(x.shading, lamp.wi);
             if (!(lamp.pdf_w > 0) || !(cos > 0) || !(dot(x.normal, lamp.wi) > 0)) continue;
-            add({side, i, at, lamp.wi, lamp.radiance * (cos / lamp.pdf_w), cos}, x.off(scene_.epsilon()), lamp.target);
+            Rgb irradiance = lamp.radiance * (cos / lamp.pdf_w);
+            if (!lamp.is_point) irradiance = at_most(irradiance, brightest_ * (kPi * static_cast<float>(count)));
+            add({side, i, at, lamp.wi, irradiance, cos}, x.off(scene_.epsilon()), lamp.target);
         }
     }
     /// Cast the shadow rays that wait.
@@ -62,8 +68,14 @@ private:
         if (shadows_.size == RayBlock::kMost) cast();
     }
 
+    /// No surface has more than pi times the radiance of the brightest lamp. Where a lamp touches it, one of a few samples may say so.
+    static Rgb at_most(Rgb irradiance, Rgb most) {
+        return {std::min(irradiance.x, most.x), std::min(irradiance.y, most.y), std::min(irradiance.z, most.z)};
+    }
+
     const Accel& accel_;
     const Scene& scene_;
+    Rgb brightest_;  // radiance of lamps
     uint64_t stream_;
     Use use_;
     RayBlock shadows_;
