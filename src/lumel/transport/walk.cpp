@@ -39,7 +39,7 @@ uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, Emitters emi
 
     for (uint64_t generation = 0;; ++generation) {
         // Spend rays in proportion to the power that is left; below a minimum, roulette decides on the whole generation.
-        const double power = total_power(scene, emitters);
+        double power = total_power(scene, emitters);
         if (!(power > 0)) return shot;
         if (generation == 0) first_power = power;
         double rays = static_cast<double>(config.rays) * power / first_power;
@@ -47,16 +47,15 @@ uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, Emitters emi
             const double survive = rays / fewest;
             if (to_unit(static_cast<uint32_t>(key(config.stream, kRoulette, generation) >> 32)) >= survive) return shot;
             emitters.scale(static_cast<float>(1 / survive));
-            rays = fewest;
+            rays = fewest, power /= survive;
         }
         const auto count = static_cast<uint64_t>(rays);
         const Shot step(accel, emitters, defensive, {count, config.defensive, key(config.stream, kShoot, generation)});
         shoot(step, transfers);
         scatter(scene, transfers, key(config.stream, kScatter, generation), received, next);
         shot += transfers.shot;
-        // What is known badly, such as how little of a patch is open, must not let light grow.
-        if (const double sent = total_power(scene, next); sent > reflected * power)
-            next.scale(static_cast<float>(reflected * power / sent));
+        // Light that grew was sent by what is known badly, such as how little of a patch is open.
+        if (const double sent = total_power(scene, next); sent > power) next.scale(static_cast<float>(reflected * power / sent));
         sink({transfers, step, received, next});
         std::swap(emitters, next);
         next.behind_mirror.clear();
