@@ -1,5 +1,5 @@
-"""Scenes made by code for measuring, each hard in one way; written as Mitsuba XML with rectangles and cubes, so that both renderers read
-the same file.
+"""Scenes made by code for measuring, each hard in one way; written as Mitsuba XML with rectangles, cubes, balls and columns, so that both
+renderers read the same file.
 
 python benchmarks/generated.py FOLDER writes them all.
 """
@@ -47,6 +47,29 @@ class Writer:
             f'<translate x="{centre[0]}" y="{centre[1]}" z="{centre[2]}"/></transform><ref id="{material}"/>{lamp}</shape>'
         )
 
+    def ball(self, material: str, centre: Point, radius: float, emission: Rgb | None = None) -> None:
+        """A sphere."""
+        lamp = f'<emitter type="area">{_rgb("radiance", emission)}</emitter>' if emission else ""
+        self.lines.append(
+            f'  <shape type="sphere">{_point("center", centre)}<float name="radius" value="{radius}"/><ref id="{material}"/>{lamp}</shape>'
+        )
+
+    def column(self, material: str, foot: Point, height: float, radius: float) -> None:
+        """An upright cylinder without ends."""
+        top = (foot[0], foot[1] + height, foot[2])
+        self.lines.append(
+            f'  <shape type="cylinder">{_point("p0", foot)}{_point("p1", top)}<float name="radius" value="{radius}"/>'
+            f'<ref id="{material}"/></shape>'
+        )
+
+    def mirror(self, name: str, tint: float) -> str:
+        """A perfect mirror; gives its name."""
+        self.lines.append(
+            f'  <bsdf type="twosided" id="{name}"><bsdf type="conductor"><string name="material" value="none"/>'
+            f"{_rgb('specular_reflectance', (tint, tint, tint))}</bsdf></bsdf>"
+        )
+        return name
+
     def room(self, size: Point, materials: Sequence[str | None]) -> None:
         """A room over [-x, x] x [0, y] x [-z, z]; materials of floor, ceiling, left, right, back, front, None for an open side."""
         x, y, z = size[0], size[1] / 2, size[2]
@@ -83,6 +106,10 @@ class Writer:
 
 def _list(values: Sequence[float]) -> str:
     return ", ".join(f"{value:g}" for value in values)
+
+
+def _point(name: str, values: Point) -> str:
+    return '<point name="{}" x="{:g}" y="{:g}" z="{:g}"/>'.format(name, *values)
 
 
 def _rgb(name: str, values: Rgb) -> str:
@@ -175,7 +202,100 @@ def sharp() -> Writer:
     return w
 
 
-SCENES: dict[str, Callable[[], Writer]] = {f.__name__: f for f in (lamps, indirect, corridor, screens, porch, sharp)}
+def bulbs() -> Writer:
+    """Small bright balls as lamps; round things, matt and glossy."""
+    w, white, red, gloss = start()
+    w.room((2, 2.4, 1.6), (gloss, white, red, white, white, white))
+    for i, centre in enumerate(((-1.2, 1.9, -0.8), (0.3, 2.0, 0.2), (1.3, 1.7, -0.9), (-0.4, 1.5, -1.2))):
+        w.ball("black", centre, 0.03, (120.0 * (i + 1), 100.0 * (i + 1), 70.0 * (i + 1)))
+    w.ball(gloss, (-0.6, 0.4, -0.4), 0.4)
+    w.ball(white, (0.5, 0.25, 0.1), 0.25)
+    w.shape("cube", red, (1.2, 0.5, -0.8), (0.3, 0.5, 0.2), (0, 33))
+    w.camera((0, 1.2, 1.55), (0, 0.8, -0.5))
+    return w
+
+
+def hall() -> Writer:
+    """A long hall with piers that stand in its walls, lit at the far end: hundreds of times darker where the camera is."""
+    w, white, red, gloss = start()
+    w.room((0.9, 2.3, 8), (gloss, white, white, white, white, red))
+    for i in range(5):
+        z = -6.0 + 3 * i
+        w.shape("cube", white, (-0.85, 1.15, z), (0.1, 1.15, 0.15))
+        w.shape("cube", red, (0.85, 1.15, z), (0.1, 1.15, 0.15))
+    w.lamp((0, 2.28, -7), (0.4, 0.2), (30, 27, 22))
+    w.lamp((0.3, 2.28, -1), (0.05, 0.05), (60, 50, 40))
+    w.camera((0.1, 1.5, 7.8), (0, 1.1, -4), 60)
+    return w
+
+
+def veranda() -> Writer:
+    """Open to the black sky: boards on columns, and a strong lamp above."""
+    w, white, red, gloss = start()
+    w.room((3, 2.5, 2), (gloss, None, None, None, red, None))
+    for i in range(12):
+        w.shape("cube", white, (-1.9 + 0.34 * i, 2.2, -0.6), (0.13, 0.02, 1.4))
+    for x in (-1.9, 0.0, 1.9):
+        w.column(white, (x, 0, 0.6), 2.2, 0.07)
+    w.lamp((0.6, 4.5, 1.5), (0.4, 0.4), (80, 75, 60), (110, 0))
+    w.shape("cube", white, (0.5, 0.25, -0.8), (0.6, 0.25, 0.3), (0, 10))
+    w.ball(gloss, (-0.9, 0.35, -0.2), 0.35)
+    w.camera((-1.5, 1.5, 4), (0, 0.9, -0.5), 60)
+    return w
+
+
+def mirrors() -> Writer:
+    """A wall and a ball that are mirrors, and gloss of alpha 0.03 and 0.07."""
+    w, white, red, _ = start()
+    mirror = w.mirror("mirror", 0.9)
+    floor = w.gloss("floor", (0.4, 0.4, 0.42), 0.03, 0.5)
+    gold = w.gloss("gold", (0.3, 0.2, 0.1), 0.07, 0.8, (0.9, 0.7, 0.4))
+    w.room((1.6, 2.2, 1.8), (floor, white, mirror, red, white, white))
+    w.ball(mirror, (0.6, 0.4, -0.7), 0.4)
+    w.ball(gold, (-0.4, 0.35, -0.3), 0.35)
+    w.shape("cube", gold, (0.9, 0.3, 0.3), (0.2, 0.3, 0.2), (0, 22))
+    w.lamp((-0.2, 2.19, -0.3), (0.3, 0.2), (16, 15, 13))
+    w.camera((0.5, 1.2, 1.75), (-0.1, 0.7, -0.7))
+    return w
+
+
+def table() -> Writer:
+    """Small things on a table, each of them finely divided, and their contacts."""
+    w, white, red, gloss = start()
+    w.room((1.5, 2, 1.5), (white, white, red, white, white, white))
+    w.shape("cube", gloss, (0, 0.7, -0.3), (0.8, 0.02, 0.5))
+    for x in (-0.75, 0.75):
+        for z in (-0.75, 0.15):
+            w.shape("cube", red, (x, 0.34, z), (0.03, 0.34, 0.03))
+    for i in range(5):
+        for j in range(4):
+            radius = 0.03 + 0.0015 * ((7 * i + 11 * j) % 20)
+            w.ball((white, red, gloss)[(i + j) % 3], (-0.6 + 0.3 * i, 0.72 + radius, -0.65 + 0.23 * j), radius)
+    for i in range(6):
+        w.shape("cube", white, (-0.9 + 0.36 * i, 0.03, 0.6), (0.03, 0.03, 0.03), (0, 13 * i))
+    w.lamp((0.1, 1.98, -0.1), (0.25, 0.25), (18, 17, 14))
+    w.camera((0.1, 1.3, 1.4), (0, 0.6, -0.4), 60)
+    return w
+
+
+def plaza() -> Writer:
+    """Boxes on an open plain, some of which cross, under one far lamp."""
+    w, white, red, gloss = start()
+    w.shape("rectangle", gloss, (0, 0, 0), (6, 6, 1), (-90, 0))
+    for i in range(12):
+        height = 0.3 + 0.1 * ((5 * i) % 12)
+        x, z = -2.9 + 0.53 * ((7 * i) % 12), -2.8 + 0.4 * ((5 * i + i // 3) % 12)
+        w.shape("cube", red if i % 2 else white, (x, height, z), (0.25, height, 0.25), (0, 29 * i))
+    w.shape("cube", red, (0.3, 0.8, 0.4), (0.3, 0.8, 0.2), (0, 20))
+    w.shape("cube", white, (0.6, 0.5, 0.5), (0.3, 0.5, 0.2), (0, 65))
+    w.lamp((3, 7, 3), (0.6, 0.6), (90, 85, 70), (115, 45))
+    w.camera((0, 2.5, 6), (0, 0.6, -0.5), 60)
+    return w
+
+
+SCENES: dict[str, Callable[[], Writer]] = {
+    f.__name__: f for f in (lamps, indirect, corridor, screens, porch, sharp, bulbs, hall, veranda, mirrors, table, plaza)
+}
 
 
 def write(name: str, folder: Path) -> Path:

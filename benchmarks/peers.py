@@ -148,7 +148,7 @@ def reference_of(name: str, scene: Path, arguments: argparse.Namespace) -> Mappi
         task["cameras"] = views(scene, 1)
         with tempfile.TemporaryDirectory() as temporary:
             command = [arguments.mitsuba_python, str(HERE / "peer_mitsuba.py")]
-            made = next(run(command, {**task, "out": temporary, "integrator": "path", "variant": "llvm_ad_rgb"}))
+            made, *_ = run(command, {**task, "out": temporary, "integrator": "path", "variant": "llvm_ad_rgb"})
             shutil.copy(made["file"], file)
     with np.load(file) as data:
         return {"rgb": data["mean"][0], "stderr": data["stderr"][0]}
@@ -181,7 +181,7 @@ def luxcore_reference(handed: Path, arguments: argparse.Namespace) -> Mapping[st
     with tempfile.TemporaryDirectory() as temporary:
         for seed in (OTHER_SEED, OTHER_SEED + 1):
             command = [arguments.luxcore_python, str(HERE / "peer_luxcore.py")]
-            made = next(run(command, {**task, "seed": seed, "out": temporary}))
+            made, *_ = run(command, {**task, "seed": seed, "out": temporary})
             with np.load(made["file"]) as data:
                 halves.append(data["mean"][0])
     return {"rgb": (halves[0] + halves[1]) / 2, "stderr": np.abs(halves[0] - halves[1]) / 2}
