@@ -19,12 +19,12 @@ constexpr float kAlikeNormal = 0.8f;   // cosine
 constexpr float kAlikeDepth = 0.1f, kAlikeAlbedo = 0.25f;  // relative differences
 constexpr float kNear = 0.05f;         // share of rays that must have met something near; twice that, and all is believed
 constexpr float kEnough = 6;  // gathering samples a pixel: with fewer, less is believed, for rare bright rays may not have come yet
-constexpr float kProbed = 64;  // gathering samples around that met nothing near: hardly any will
+constexpr float kProbed = 32;  // gathering samples around that met nothing near: hardly any will
 constexpr float kMostBeyond = 2.5f;  // root mean squares that a pixel may differ from those around: rare bright rays differ by more,
 constexpr float kSure = 4;          // but not by so many standard errors
 constexpr float kMostOfNoise = 3;   // standard errors of others that gathering may find anywhere, but
 constexpr float kPassesToBeSure = 4;  // a few passes may agree by chance
-constexpr float kCost = 1;       // of a gathering ray, in eye samples without
+constexpr float kCost = 2;       // of what gathers, a pair of rays, in eye samples without
 constexpr float kChance = 1;     // standard errors that chance may explain,
 constexpr float kMostChance = 2; // and of what neighbours have in common
 

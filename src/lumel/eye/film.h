@@ -54,7 +54,7 @@ struct Correction {
     uint32_t stride = kProbe;  ///< one eye sample in so many should gather
     bool gloss = false;        ///< every eye sample should follow the specular lobe
 
-    static constexpr uint32_t kProbe = 4;    ///< while nothing is known; where gathering changes the pixel, all do
+    static constexpr uint32_t kProbe = 8;    ///< while nothing is known; where gathering changes the pixel, all do
     static constexpr uint32_t kSeldom = 32;  ///< where nothing is near
 };
 
