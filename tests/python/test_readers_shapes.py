@@ -101,7 +101,7 @@ def test_flat_shapes_have_no_normals(reader: Reader) -> None:
 
 def test_many_spheres_get_fewer_triangles(reader: Reader) -> None:
     scene = reader.scene('<shape type="sphere"/>' * 200)
-    assert sum(len(mesh.triangles) for mesh in scene.meshes) <= 600_000
+    assert sum(len(mesh.triangles) for mesh in scene.meshes) <= 100_000
     assert area(scene.meshes[0]) == pytest.approx(4 * np.pi, rel=1e-5)
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from .surface import Indices, Points, Surface, unit
 
 _DISK_SIDE = 16  # quads along the side of the square that is bent to a disk
-_AROUND = 96  # quads around a cylinder
-_MOST_RINGS = 64
+_AROUND = 48  # quads around a cylinder
+_MOST_RINGS = 16
 
 
 @lru_cache

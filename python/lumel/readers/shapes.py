@@ -19,7 +19,7 @@ from .surface import Surface
 from .tree import Node
 
 _SPHERE_LEVEL = 4
-_SPHERE_TRIANGLES = 600_000  # in all; with many spheres each gets fewer
+_SPHERE_TRIANGLES = 100_000  # in all; with many spheres each gets fewer
 _LARGEST = 1e30  # metres
 
 
