@@ -24,17 +24,16 @@ public:
         for (int a = 0; a < kFitTerms; ++a)
             for (int b = 0; b <= a; ++b) matrix_[a][b] += weight * t[a] * t[b];
     }
-    double weight() const { return weight_; }
     /// Terms that the fit has to itself: those that vary.
     double used() const { return used_; }
 
     /// Replace the matrix by its Cholesky factor, once all is added.
     void factorise() {
-        weight_ = matrix_[0][0];
+        const double weight = matrix_[0][0];
         used_ = 1;
         for (int a = 1; a < kFitTerms; ++a) {
-            used_ += matrix_[a][a] / (matrix_[a][a] + kRidge * weight_);
-            matrix_[a][a] += kRidge * weight_;
+            used_ += matrix_[a][a] / (matrix_[a][a] + kRidge * weight);
+            matrix_[a][a] += kRidge * weight;
         }
         for (int i = 0; i < kFitTerms; ++i)
             for (int j = 0; j <= i; ++j) {
@@ -60,7 +59,7 @@ private:
     static constexpr double kRidge = 1e-3;
 
     std::array<FitTerms, kFitTerms> matrix_{};
-    double weight_ = 0, used_ = 0;
+    double used_ = 0;
 };
 
 }  // namespace lumel

@@ -44,7 +44,7 @@ class Misfit {
 public:
     /// `unit`: variance of a unit of area.
     void add(const SmoothNode& n, Rgb64 said, double unit) {
-        if (!(unit > 0)) return;
+        if (!(unit > 0)) return;  // no light anywhere near
         const double weight = n.area / unit, light = std::max(lum(said), 0.0);
         squares_ += weight * sqr(n.value() - lum(said)), weights_ += weight, ++count_;
         // Few rays vary more than many: the fourth moment of a Poisson variate, whose mean is the light over its unit.
@@ -240,12 +240,14 @@ LinearLight SmoothLevel::smooth(uint32_t node, const Coarse& coarse) const {
     // Where more rays came than are expected, that is noise as well.
     const double usual = mean_unit(around);
     double expected = 0;
-    for (uint32_t other : around) expected += coarse.at.empty() ? 0 : coarse.unit[other] / static_cast<double>(around.size());
+    if (!coarse.at.empty())
+        for (uint32_t other : around) expected += coarse.unit[other] / static_cast<double>(around.size());
     const double more = expected > 0 ? std::max(1.0, usual / expected) : 1;
     const auto unit = [&](uint32_t other) { return expected > 0 ? more * coarse.unit[other] : usual; };
     if (!(unit(node) > 0)) return own;
     double reach2 = 0;
-    std::erase_if(around, [&](uint32_t other) { return !agree(node, unit(node), other, unit(other)); });
+    // What has no light anywhere near has no noise to be weighed by.
+    std::erase_if(around, [&](uint32_t other) { return !(unit(other) > 0) || !agree(node, unit(node), other, unit(other)); });
     for (uint32_t other : around) reach2 = std::max(reach2, distance2(nodes_[other].x, here.x));
     if (around.size() < kFewest || !(reach2 > 0)) return own;
 

@@ -5,7 +5,6 @@
 
 #include "lumel/sampling/hash.h"
 #include "lumel/sampling/warp.h"
-#include "lumel/scene/closed_surfaces.h"
 #include "lumel/scene/surface.h"
 
 namespace lumel {
@@ -21,9 +20,8 @@ constexpr double kSmall = 0.25;   // of the mean patch: undivided triangles that
 /// Which faces no light can reach, 2 triangle + back; empty where there are none.
 std::vector<uint8_t> sealed_faces(const Scene& scene, const DefensiveStarts& starts) {
     std::vector<uint8_t> sealed(size_t{scene.triangles()} * 2);
-    const std::vector<uint32_t> closed = closed_surfaces(scene);
     for (uint32_t t = 0; t < scene.triangles(); ++t)
-        for (uint32_t back : {0u, 1u}) sealed[size_t{t} * 2 + back] = closed[t] != Scene::kNone && !starts.reaches(scene, t, back);
+        for (uint32_t back : {0u, 1u}) sealed[size_t{t} * 2 + back] = starts.closed[t] != Scene::kNone && !starts.reaches(scene, t, back);
     return std::find(sealed.begin(), sealed.end(), 1) == sealed.end() ? std::vector<uint8_t>{} : sealed;
 }
 

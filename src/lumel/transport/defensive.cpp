@@ -63,15 +63,15 @@ Outlook look_from(const Accel& accel, uint32_t face, const std::vector<uint32_t>
 
 /// Walks miss what is small. A face sees light where it sees the sky of an open scene, or a face that light reaches; but from the inside of
 /// what is closed a floor in which it stands may be seen as well, so the backs of closed shapes must see the sky.
-void reach_by_looks(const Accel& accel, uint64_t seed, bool is_open, std::vector<uint8_t>& reached) {
+void reach_by_looks(const Accel& accel, uint64_t seed, bool is_open, DefensiveStarts& starts) {
     const Scene& scene = accel.scene();
-    const std::vector<uint32_t> closed = closed_surfaces(scene);
+    std::vector<uint8_t>& reached = starts.reached;
     std::vector<std::vector<uint32_t>> triangles(scene.shapes());
     std::vector<uint8_t> is_closed(scene.shapes());
     for (uint32_t t = 0; t < scene.triangles(); ++t) {
         const uint32_t shape = scene.shape(t);
         if (!reached[size_t{shape} * 2] || !reached[size_t{shape} * 2 + 1]) triangles[shape].push_back(t);
-        is_closed[shape] |= closed[t] != Scene::kNone;
+        is_closed[shape] |= starts.closed[t] != Scene::kNone;
     }
     std::vector<Outlook> outlook(reached.size());
     tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(reached.size()), [&](uint32_t face) {
@@ -120,7 +120,8 @@ DefensiveStarts survey(const Accel& accel, uint64_t seed) {
 
     starts.reached.assign(reached.begin(), reached.end());
     const bool is_open = static_cast<double>(escapes) > kLeak * static_cast<double>(steps);
-    reach_by_looks(accel, seed, is_open, starts.reached);
+    starts.closed = closed_surfaces(scene);
+    reach_by_looks(accel, seed, is_open, starts);
 
     // What a perfect mirror reflects has its density already: starts on it would count its directions twice.
     starts.by_area = Distribution(scene.sides(), [&](uint32_t side) {

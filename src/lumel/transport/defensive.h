@@ -13,6 +13,7 @@ struct DefensiveStarts {
     Distribution by_area;      ///< over sides; 0 where no light can come, and on perfect mirrors
     double sphere_area = 0;    ///< m2; 0 in a closed scene
     std::vector<uint8_t> reached;  ///< per face, 2 shape + back: did light come there? Empty where there are no lamps
+    std::vector<uint32_t> closed;  ///< the closed surface of every triangle: see closed_surfaces. Empty where there are no lamps
     double area() const { return by_area.total() + sphere_area; }
     bool open() const { return sphere_area > 0; }
     /// Can light come to a face? As far as is known: to all where there are no lamps.

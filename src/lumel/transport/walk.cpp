@@ -34,14 +34,13 @@ uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, Emitters emi
     Transfers transfers;
     std::vector<Rgb> received;
     uint64_t shot = 0;
-    double first_power = 0;
+    double power = total_power(scene, emitters);
+    const double first_power = power;
     const double reflected = most_reflected(scene);
 
     for (uint64_t generation = 0;; ++generation) {
         // Spend rays in proportion to the power that is left; below a minimum, roulette decides on the whole generation.
-        double power = total_power(scene, emitters);
         if (!(power > 0)) return shot;
-        if (generation == 0) first_power = power;
         double rays = static_cast<double>(config.rays) * power / first_power;
         if (rays < fewest) {
             const double survive = rays / fewest;
@@ -55,7 +54,9 @@ uint64_t walk(const Accel& accel, const DefensiveStarts& defensive, Emitters emi
         scatter(scene, transfers, key(config.stream, kScatter, generation), received, next);
         shot += transfers.shot;
         // Light that grew was sent by what is known badly, such as how little of a patch is open.
-        if (const double sent = total_power(scene, next); sent > power) next.scale(static_cast<float>(reflected * power / sent));
+        double sent = total_power(scene, next);
+        if (sent > power) next.scale(static_cast<float>(reflected * power / sent)), sent = reflected * power;
+        power = sent;
         sink({transfers, step, received, next});
         std::swap(emitters, next);
         next.behind_mirror.clear();
