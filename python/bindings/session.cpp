@@ -88,9 +88,20 @@ public:
         run([&] { done = session_->eye_pass(camera, samples); });
         return done;
     }
-    std::vector<MeasuredArea> measured(uint32_t camera, const Estimator& estimator) {
+    std::vector<MeasuredArea> measured(uint32_t camera, const Estimator& estimator, uint32_t most) {
         std::vector<MeasuredArea> all;
-        run([&] { all = session_->measured(camera, estimator); });
+        run([&] { all = session_->measured(camera, estimator, most); });
+        return all;
+    }
+    /// The mean samples of all pixels, and the standard errors of their radiance.
+    std::pair<std::vector<EyeSample>, std::vector<Rgb>> seen(uint32_t camera) {
+        const Film& film = session_->film(camera);
+        std::pair<std::vector<EyeSample>, std::vector<Rgb>> all{std::vector<EyeSample>(film.pixels()), std::vector<Rgb>(film.pixels())};
+        run([&] {
+            tbb::parallel_for(size_t{0}, film.pixels(), [&](size_t pixel) {
+                all.first[pixel] = film.mean(pixel), all.second[pixel] = film.standard_error(pixel);
+            });
+        });
         return all;
     }
     std::vector<LampReach> lamp_reach(uint32_t samples) {
@@ -139,40 +150,43 @@ private:
 /// Layers of a film, by name: (height, width, 3) or (height, width).
 nb::typed<nb::dict, nb::str, Array> layers(BoundSession& self, uint32_t camera) {
     const Film& film = self.session().film(camera);
-    const size_t pixels = film.sum.size();
+    const auto [mean, error] = self.seen(camera);
     nb::typed<nb::dict, nb::str, Array> d;
     const auto add_rgb = [&](const char* name, auto&& of) {
-        std::vector<Rgb> values(pixels);
-        for (size_t i = 0; i < pixels; ++i) values[i] = of(i);
+        std::vector<Rgb> values;
+        values.reserve(mean.size());
+        for (const EyeSample& pixel : mean) values.push_back(of(pixel));
         d[name] = to_numpy(flat(values), {film.height, film.width, 3});
     };
     const auto add_scalar = [&](const char* name, auto&& of) {
-        std::vector<float> values(pixels);
-        for (size_t i = 0; i < pixels; ++i) values[i] = of(i);
+        std::vector<float> values;
+        values.reserve(mean.size());
+        for (const EyeSample& pixel : mean) values.push_back(of(pixel));
         d[name] = to_numpy(std::move(values), {film.height, film.width});
     };
-    add_rgb("emission", [&](size_t i) { return film.mean(i).emission; });
-    add_rgb("direct", [&](size_t i) { return film.mean(i).direct; });
-    add_rgb("indirect.diffuse", [&](size_t i) { return film.mean(i).indirect_diffuse; });
-    add_rgb("indirect.specular", [&](size_t i) { return film.mean(i).indirect_specular; });
-    add_rgb("albedo", [&](size_t i) { return film.mean(i).albedo; });
-    add_rgb("normal", [&](size_t i) { return film.mean(i).normal; });
-    add_rgb("stderr", [&](size_t i) { return film.standard_error(i); });
-    add_rgb("stderr.solution", [&](size_t i) { return film.mean(i).solution_stderr; });
-    add_scalar("depth", [&](size_t i) { return film.mean(i).depth; });
-    add_scalar("weight", [&](size_t i) { return film.mean(i).trust.weight; });
-    add_scalar("hits", [&](size_t i) { return film.mean(i).trust.hits; });
-    add_scalar("correction", [&](size_t i) { return film.mean(i).trust.correction; });
-    add_scalar("flag", [&](size_t i) { return film.mean(i).trust.flag; });
+    using Pixel = const EyeSample&;
+    add_rgb("emission", [](Pixel p) { return p.emission; });
+    add_rgb("direct", [](Pixel p) { return p.direct; });
+    add_rgb("indirect.diffuse", [](Pixel p) { return p.indirect_diffuse; });
+    add_rgb("indirect.specular", [](Pixel p) { return p.indirect_specular; });
+    add_rgb("albedo", [](Pixel p) { return p.albedo; });
+    add_rgb("normal", [](Pixel p) { return p.normal; });
+    add_rgb("stderr.solution", [](Pixel p) { return p.solution_stderr; });
+    add_scalar("depth", [](Pixel p) { return p.depth; });
+    add_scalar("weight", [](Pixel p) { return p.trust.weight; });
+    add_scalar("hits", [](Pixel p) { return p.trust.hits; });
+    add_scalar("correction", [](Pixel p) { return p.trust.correction; });
+    add_scalar("flag", [](Pixel p) { return p.trust.flag; });
+    d["stderr"] = to_numpy(flat(error), {film.height, film.width, 3});
     return d;
 }
 
 /// The areas of interest of a camera, estimated one by one: `index` (n,) is the patch (plus the number of patches on its back) or the
-/// pixel; `value` and `stderr` (n, 3) W/(m2 sr), and what the estimate is made of.
-nb::typed<nb::dict, nb::str, Doubles> areas(BoundSession& self, uint32_t camera, const std::string& name) {
+/// pixel; `value` and `stderr` (n, 3) W/(m2 sr), and what the estimate is made of. With `most` about as many of them, evenly chosen.
+nb::typed<nb::dict, nb::str, Doubles> areas(BoundSession& self, uint32_t camera, const std::string& name, uint32_t most) {
     const Estimator* estimator = find_estimator(name);
     if (!estimator || camera >= self.session().cameras().size()) throw nb::value_error("unknown estimator or camera");
-    const auto measured = self.measured(camera, *estimator);
+    const auto measured = self.measured(camera, *estimator, most);
     const size_t n = measured.size();
     nb::typed<nb::dict, nb::str, Doubles> d;
     const auto add_rgb = [&](const char* key, auto&& of) {
@@ -285,7 +299,7 @@ void bind_session(nb::module_& m) {
                  const size_t shapes = landed.size();
                  return to_numpy(std::move(landed), {shapes});
              })
-        .def("areas", areas, nb::arg("camera"), nb::arg("estimator"))
+        .def("areas", areas, nb::arg("camera"), nb::arg("estimator"), nb::arg("most") = ~uint32_t{0})
         .def("direct", [](BoundSession& self) { return field(self.session().solver().direct()); })
         .def("indirect", [](BoundSession& self) { return field(self.session().indirect()); })
         .def("borrowed", [](BoundSession& self) { return self.session().borrowed(); })

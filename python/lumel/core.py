@@ -18,8 +18,8 @@ FARTHEST = 1e9  # m, as in the core
 BRIGHTEST = 1e15  # W/(m2 sr) or W/sr: the square, a variance, must be a float too
 
 
-def to_core(scene: Scene, patches: int | None = None) -> tuple[_core.Scene, tuple[str, ...]]:
-    """Tessellate `scene` into about `patches` patches (None: 20,000 more than there are triangles); also gives notes on what was left out.
+def to_core(scene: Scene, patches: int | None = None, more: int = MORE_PATCHES) -> tuple[_core.Scene, tuple[str, ...]]:
+    """Tessellate `scene` into about `patches` patches (None: so many `more` than there are triangles); also gives notes on what was left out.
 
     Raises SceneError with all that is wrong.
     """
@@ -43,7 +43,7 @@ def to_core(scene: Scene, patches: int | None = None) -> tuple[_core.Scene, tupl
             materials=materials,
             point_positions=_floats([light.position for light in scene.lights]),
             point_intensities=_floats([light.intensity for light in scene.lights]),
-            patches=wanted_patches(triangles, patches),
+            patches=wanted_patches(triangles, patches, more),
         )
     except ValueError as error:
         raise SceneError(Problem(f"{error}: {_counts(scene)}", scene.source or None)) from error

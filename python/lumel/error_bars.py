@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -15,11 +15,15 @@ Doubles = npt.NDArray[np.float64]
 
 
 def errors(session: _core.Session, cameras: int) -> tuple[float, float]:
-    """Relative error sqrt(mean(stderr^2 / (I^2 + e))), e = 0.01 mean(I)^2, over all `cameras` that see light: of the solution and of
-    the eye."""
+    """Those of the pictures of all `cameras`."""
+    return errors_of([session.layers(camera) for camera in range(cameras)])
+
+
+def errors_of(pictures: Sequence[Mapping[str, FloatArray]]) -> tuple[float, float]:
+    """Relative error sqrt(mean(stderr^2 / (I^2 + e))), e = 0.01 mean(I)^2, over all pictures, given by their layers, that are not black:
+    of the solution and of the eye."""
     parts = []
-    for camera in range(cameras):
-        layers = session.layers(camera)
+    for layers in pictures:
         scale = _scale(_picture(layers))
         if not np.any(scale > 0):
             continue
@@ -48,7 +52,7 @@ def squared_difference(before: Sequence[Doubles], after: Sequence[Doubles]) -> f
     return float(np.mean(parts)) if parts else math.inf
 
 
-def _picture(layers: dict[str, FloatArray]) -> Doubles:
+def _picture(layers: Mapping[str, FloatArray]) -> Doubles:
     names = ("emission", "direct", "indirect.diffuse", "indirect.specular")
     return np.asarray(np.sum([layers[name] for name in names], axis=0, dtype=np.float64))
 

@@ -15,6 +15,8 @@ from .scene import LUMINANCE, Camera, Scene
 
 LAMP_RAYS = 4096  # to find out where a lamp shines
 MOST_LAMPS = 64  # that are looked at one by one
+MOST_AREAS = 1000  # that tell what `auto` was worth,
+ALL_AREAS = 2**32 - 1  # where they are described
 FLOOR = 0.01  # of the mean square, added where variances are compared with squares
 
 
@@ -126,11 +128,11 @@ def explain(
 
 
 def why_auto(session: _core.Session, cameras: Sequence[Camera]) -> str:
-    """What the estimator `auto` was worth in the areas of the first camera."""
-    story = _areas(session, 0, cameras[0].name, "auto")
+    """What the estimator `auto` was worth in the areas of the first camera, as some of them tell."""
+    story = _areas(session, 0, cameras[0].name, "auto", MOST_AREAS)
     if story.count == 0:
         return "nothing glossy is in view that it could serve"
-    return f"chosen area by area; classical would need {story.gain:.2g} times as many samples in the {story.count:,} glossy areas in view"
+    return f"chosen area by area; classical would need {story.gain:.2g} times as many samples in the glossy areas in view"
 
 
 def _bundles(stats: Mapping[str, Any]) -> BundleStory:
@@ -162,8 +164,8 @@ def _lamps(session: _core.Session, scene: Scene, lamp_areas: Sequence[float], na
     return tuple(sorted(stories, key=lambda lamp: -lamp.share))
 
 
-def _areas(session: _core.Session, index: int, camera: str, estimator: str) -> AreaStory:
-    areas = session.areas(index, estimator)
+def _areas(session: _core.Session, index: int, camera: str, estimator: str, most: int = ALL_AREAS) -> AreaStory:
+    areas = session.areas(index, estimator, most)
     count = len(areas["index"])
     if count == 0:
         return AreaStory(camera, 0, (0, 0, 0), 0, 0, 0, 0, 0, 1)

@@ -12,8 +12,8 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _core
-from .core import camera_to_core, to_core, wanted_patches
-from .error_bars import errors
+from .core import MORE_PATCHES, camera_to_core, to_core, wanted_patches
+from .error_bars import errors_of
 from .errors import SettingsError
 from .explanation import Explanation, explain, why_auto
 from .memory import expected
@@ -75,8 +75,8 @@ def render(
     weight_diffuse: weigh diffuse light, too (None: where the estimator
     is `auto` and defensive rays cover all directions). first_shot: compute direct light apart. One budget: rays (shooting rays),
     directions (of bundles), time (s, from `started` until the picture is complete) or error (relative); with none,
-    `quality` (draft, medium, high) sets the work. patches: how many, about (None: 20,000 more than there are triangles; up to
-    150,000 more where they are adaptive and the time is long or the quality high). adaptive: a short look at the light makes them small
+    `quality` (draft, medium, high) sets the work. patches: how many, about (None: 20,000 more than there are triangles; fewer
+    in less than 2 s of all threads together, and up to 150,000 more where they are adaptive and the time is long or the quality high). adaptive: a short look at the light makes them small
     where it varies, above all in view; else, and with bundles, all are about as large (None: in all but short renders, by a
     draft or of less than 4 s or 4 M rays). camera: a name, `all`, or None for the first. size: (width, height) in pixels.
     threads: 0 for all. layers: names that the result must have. window: pixels of an edge of
@@ -101,7 +101,7 @@ def render(
     settings.check(scene)
     cameras = settings.cameras(scene)
     views = [camera_to_core(c) for c in cameras]
-    even, left_out = to_core(scene, patches)
+    even, left_out = to_core(scene, patches, min(MORE_PATCHES, settings.more_patches))
     adaptive_patches = wanted_patches(even.triangles, patches, settings.more_patches) if settings.wants_adaptive else 0
 
     def session(transport: str, adaptive_patches: int) -> _core.Session:
@@ -136,8 +136,9 @@ def render(
 
     def result(explained: bool) -> Result:
         session, core = schedule.at.session, schedule.at.session.scene
-        pictures = {c.name: _picture(session.layers(i)) for i, c in enumerate(cameras)}
-        schedule.error = math.hypot(*errors(session, len(cameras)))
+        layers = [session.layers(i) for i in range(len(cameras))]
+        schedule.error = math.hypot(*errors_of(layers))
+        pictures = {c.name: _picture(of) for c, of in zip(cameras, layers, strict=True)}
         stats = _stats(session, schedule, clock.monotonic() - started, core)
         if estimator == "auto":
             stats["why_estimator"] = why_auto(session, cameras)

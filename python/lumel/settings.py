@@ -19,6 +19,8 @@ TRANSPORTS = ("rays", "walk", "bundles")
 DEFAULT_TRANSPORT = "rays"
 LONGEST = 1e8  # s that a time may be
 MOST_MORE_PATCHES = 150_000  # than triangles, where no number is given and they are adaptive,
+SHORT_TIME = 2.0  # s of all threads below which fewer than MORE_PATCHES are better, in proportion to the time,
+LEAST_PATCHES = 0.2  # but not less than this share of them
 PATCHES_TIME = 16.0  # s of all threads from which on more than MORE_PATCHES pay, in proportion to the power 2/3 of the time
 ADAPTIVE_TIME, ADAPTIVE_RAYS = 4.0, 4_000_000  # s and rays from which on adaptive ones pay
 ITERATIONS = ("frozen", "plain")
@@ -133,15 +135,18 @@ class Settings:
 
     @property
     def more_patches(self) -> int:
-        """How many more patches than triangles the budget pays for, where they are adaptive.
+        """How many more patches than triangles the budget pays for.
 
-        The error of patches falls as a power of their number, and the noise of the light on each grows with it; see docs/results.md.
+        The error of patches falls as a power of their number, and the noise of the light on each grows with it, as does the time before the
+        eye can look; see docs/results.md.
         """
+        if self.time is not None:
+            seconds = self.time * self.thread_count()
+            if not self.wants_adaptive:
+                return int(MORE_PATCHES * min(1.0, max(LEAST_PATCHES, seconds / SHORT_TIME)))
+            return int(min(MORE_PATCHES * max(1.0, seconds / PATCHES_TIME) ** (2 / 3), MOST_MORE_PATCHES))
         if not self.wants_adaptive:
             return MORE_PATCHES
-        if self.time is not None:
-            pay = MORE_PATCHES * max(1.0, self.time * self.thread_count() / PATCHES_TIME) ** (2 / 3)
-            return int(min(pay, MOST_MORE_PATCHES))
         return MOST_MORE_PATCHES if self.quality == "high" and self.is_on_clock else MORE_PATCHES
 
     @property

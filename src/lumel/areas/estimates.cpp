@@ -1,7 +1,5 @@
 #include "lumel/areas/estimates.h"
 
-#include <tbb/parallel_for.h>
-
 namespace lumel {
 
 namespace {
@@ -72,14 +70,6 @@ AreaEstimate estimate_pooled(const PatchAreas& areas, const Neighbourhood& neigh
     const auto hits = [&](uint32_t area) { return areas.albedo(eye, area) > 0 ? areas.hits(eye, area) : 0; };
     const Pool own(areas, eye, centre), around(areas, eye, neighbourhood.around(centre, hits));
     return estimated(own.samples(own.albedo()), around.samples(own.albedo()), estimator);
-}
-
-std::vector<AreaEstimate> estimate_each(const PatchAreas& areas, const Neighbourhood& neighbourhood, uint32_t eye,
-                                        const Estimator& estimator) {
-    std::vector<AreaEstimate> estimates(areas.size());
-    tbb::parallel_for(uint32_t{0}, areas.size(),
-                      [&](uint32_t area) { estimates[area] = estimate_pooled(areas, neighbourhood, eye, std::span(&area, 1), estimator); });
-    return estimates;
 }
 
 AreaEstimate estimate_pixel(const PixelAreas& areas, uint32_t camera, uint32_t pixel, const Estimator& estimator) {

@@ -23,10 +23,6 @@ struct AreaEstimate {
 AreaEstimate estimate_pooled(const PatchAreas& areas, const Neighbourhood& neighbourhood, uint32_t eye, std::span<const uint32_t> centre,
                              const Estimator& estimator);
 
-/// Estimate every area by itself.
-std::vector<AreaEstimate> estimate_each(const PatchAreas& areas, const Neighbourhood& neighbourhood, uint32_t eye,
-                                        const Estimator& estimator);
-
 /// Estimate one pixel. Its neighbours are glossy pixels of about the same albedo, in a square that grows until they have samples enough.
 AreaEstimate estimate_pixel(const PixelAreas& areas, uint32_t camera, uint32_t pixel, const Estimator& estimator);
 

@@ -14,7 +14,7 @@ namespace lumel {
 namespace {
 
 constexpr float kSharp = 0.03f;         // roughness below which patches are too coarse for what is reflected: eye passes gather it
-constexpr uint32_t kSurveySamples = 8;  // per pixel, to find out which patches are visible
+constexpr uint32_t kSurveySamples = 2;  // per pixel, to find out which patches are visible: light of others is gathered
 
 /// Add the specular light that was measured in a pixel to all samples of a pass.
 void add_measured(const Reconstructed& specular, PixelPass& pass) {

@@ -1,11 +1,15 @@
 #include "lumel/eye/smooth.h"
 
+#include <tbb/parallel_for.h>
+
 #include "lumel/eye/smooth_level.h"
 #include "lumel/scene/surface.h"
 
 namespace lumel {
 
 namespace {
+
+constexpr uint32_t kBlock = 1024;  // sides, for one thread
 
 /// Which patches have a corner at every place.
 NodeLists patches_of_places(const Scene& scene, const Lattice& lattice) {
@@ -24,8 +28,8 @@ NodeLists patches_of_places(const Scene& scene, const Lattice& lattice) {
 
 std::vector<SmoothNode> nodes_of_sides(const Scene& scene, const SideField& field) {
     std::vector<SmoothNode> nodes(scene.sides());
-    for (uint32_t side = 0; side < scene.sides(); ++side) {
-        if (!scene.scatters(side)) continue;
+    tbb::parallel_for(uint32_t{0}, scene.sides(), [&](uint32_t side) {
+        if (!scene.scatters(side)) return;
         const uint32_t patch = scene.patch_of_side(side);
         const Surface x(scene, scene.centre_of_patch(patch), scene.is_back(side));
         // The mean square distance from the centre of a triangle that has equal edges.
@@ -36,25 +40,30 @@ std::vector<SmoothNode> nodes_of_sides(const Scene& scene, const SideField& fiel
                        to_double(field.mean[side]),
                        double{sqr(lum(square_root(field.variance[side])))},
                        spread2};
-    }
+    });
     return nodes;
 }
 
 /// Sides on the same face that share a place and face about the same way, itself among them.
 NodeLists touching_sides(const Scene& scene, const Lattice& lattice, const std::vector<SmoothNode>& nodes) {
     const NodeLists at_place = patches_of_places(scene, lattice);
+    std::vector<NodeLists> blocks((scene.sides() + kBlock - 1) / kBlock);
+    tbb::parallel_for(size_t{0}, blocks.size(), [&](size_t block) {
+        std::vector<uint32_t> found;
+        const auto first = static_cast<uint32_t>(block * kBlock);
+        for (uint32_t side = first; side < std::min(first + kBlock, scene.sides()); ++side) {
+            found.clear();
+            const uint32_t patch = scene.patch_of_side(side), face = scene.is_back(side) ? scene.patches() : 0;
+            for (uint32_t vertex : lattice.corners(patch))
+                for (uint32_t other : at_place.of(lattice.place(vertex)))
+                    if (nodes[side].area > 0 && nodes[other + face].area > 0 && are_alike(nodes[side], nodes[other + face]) &&
+                        std::find(found.begin(), found.end(), other + face) == found.end())
+                        found.push_back(other + face);
+            blocks[block].add(found);
+        }
+    });
     NodeLists touching;
-    std::vector<uint32_t> found;
-    for (uint32_t side = 0; side < scene.sides(); ++side) {
-        found.clear();
-        const uint32_t patch = scene.patch_of_side(side), face = scene.is_back(side) ? scene.patches() : 0;
-        for (uint32_t vertex : lattice.corners(patch))
-            for (uint32_t other : at_place.of(lattice.place(vertex)))
-                if (nodes[side].area > 0 && nodes[other + face].area > 0 && are_alike(nodes[side], nodes[other + face]) &&
-                    std::find(found.begin(), found.end(), other + face) == found.end())
-                    found.push_back(other + face);
-        touching.add(found);
-    }
+    for (const NodeLists& block : blocks) touching.add(block);
     return touching;
 }
 

@@ -37,6 +37,12 @@ public:
         all_.insert(all_.end(), list.begin(), list.end());
         first_.push_back(static_cast<uint32_t>(all_.size()));
     }
+    /// Append the lists of more nodes.
+    void add(const NodeLists& more) {
+        const uint32_t before = first_.back();
+        all_.insert(all_.end(), more.all_.begin(), more.all_.end());
+        for (size_t i = 1; i < more.first_.size(); ++i) first_.push_back(before + more.first_[i]);
+    }
     std::span<const uint32_t> of(uint32_t node) const { return {all_.data() + first_[node], all_.data() + first_[node + 1]}; }
 
 private:

@@ -1,5 +1,7 @@
 #include "lumel/solver/session.h"
 
+#include <tbb/parallel_for.h>
+
 #include "lumel/sampling/hash.h"
 #include "lumel/solver/refine.h"
 #include "lumel/transport/covers.h"
@@ -91,18 +93,29 @@ double Session::flagged() const {
     return measured > 0 ? flagged / measured : 0;
 }
 
-std::vector<MeasuredArea> Session::measured(uint32_t camera, const Estimator& estimator) const {
+std::vector<MeasuredArea> Session::measured(uint32_t camera, const Estimator& estimator, uint32_t most) const {
     std::vector<MeasuredArea> all;
-    if (const PixelAreas* pixels = solver_->pixels()) {
-        for (uint32_t pixel = 0; pixel < cameras_[camera].width * cameras_[camera].height; ++pixel)
-            if (const double albedo = pixels->albedo(camera, pixel); albedo > 0)
-                all.push_back({pixel, albedo, estimate_pixel(*pixels, camera, pixel, estimator)});
-        return all;
-    }
+    const auto add = [&](uint32_t area, double albedo) {
+        if (albedo > 0) all.push_back({area, albedo, {}});
+    };
+    const PixelAreas* pixels = solver_->pixels();
     const PatchAreas& areas = solver_->areas();
-    const auto estimates = estimate_each(areas, Neighbourhood(scene_, lattice_, areas), camera, estimator);
-    for (uint32_t area = 0; area < areas.size(); ++area)
-        if (const double albedo = areas.albedo(camera, area); albedo > 0) all.push_back({areas.sides()[area], albedo, estimates[area]});
+    if (pixels)
+        for (uint32_t pixel = 0; pixel < cameras_[camera].width * cameras_[camera].height; ++pixel) add(pixel, pixels->albedo(camera, pixel));
+    else
+        for (uint32_t area = 0; area < areas.size(); ++area) add(area, areas.albedo(camera, area));
+
+    const size_t stride = std::max<size_t>(1, (all.size() + most - 1) / std::max(1u, most));
+    for (size_t i = 0; i * stride < all.size(); ++i) all[i] = all[i * stride];
+    all.resize((all.size() + stride - 1) / stride);
+
+    const Neighbourhood neighbourhood(scene_, lattice_, areas);
+    tbb::parallel_for(size_t{0}, all.size(), [&](size_t i) {
+        uint32_t& area = all[i].index;
+        all[i].at = pixels ? estimate_pixel(*pixels, camera, area, estimator)
+                           : estimate_pooled(areas, neighbourhood, camera, std::span(&area, 1), estimator);
+        if (!pixels) area = areas.sides()[area];
+    });
     return all;
 }
 

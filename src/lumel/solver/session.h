@@ -64,8 +64,9 @@ public:
     double variance_growth() const { return lumel::variance_growth(accel_, defensive_, config_.solver.seed); }
     /// Share of the measured areas that are flagged (see Trust), 0..1.
     double flagged() const;
-    /// What an estimator makes of every area of interest that a camera sees, in ascending order of sides or pixels.
-    std::vector<MeasuredArea> measured(uint32_t camera, const Estimator& estimator) const;
+    /// What an estimator makes of the areas of interest that a camera sees, in ascending order of sides or pixels: of all, or where these
+    /// are more than `most` of every so manieth.
+    std::vector<MeasuredArea> measured(uint32_t camera, const Estimator& estimator, uint32_t most) const;
     const Film& film(uint32_t camera) const { return films_[camera]; }
     /// Ask an eye pass that runs on another thread to stop.
     void stop() { stop_ = true; }
