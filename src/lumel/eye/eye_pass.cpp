@@ -42,13 +42,14 @@ bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reco
             for (uint32_t pixel = y * film.width; pixel < (y + 1) * film.width; ++pixel) {
                 const auto before = static_cast<uint32_t>(film.samples(pixel));
                 const Correction& correction = film.correction[pixel];
+                const uint64_t stream = key(config.stream, pixel);
                 Gather gather{.is_allowed = config.gather,
                               .before_diffuse = film.diffuse[pixel].rays(),
                               .before_specular = film.specular[pixel].rays()};
                 for (uint32_t i = before; i < before + samples[pixel]; ++i) {
                     gather.diffuse = config.gather && i % correction.stride == 0;
                     gather.specular = gather.diffuse || (config.gather && correction.gloss);
-                    rays.add(pixel, EyeStream(key(config.stream, pixel), i), gather);
+                    rays.add(pixel, stream, i, gather);
                     gather.before_diffuse += gather.diffuse, gather.before_specular += gather.specular;
                 }
             }

@@ -12,11 +12,9 @@ void push(RayBlock& block, Vec3 origin, Vec3 direction) {
 
 }  // namespace
 
-void EyeRays::add(uint32_t pixel, EyeStream stream, Gather gather) {
-    const Square in_pixel = stream.next();
-    push(rays_, camera_.origin, camera_.direction(camera_.on_film(pixel, in_pixel)));
-    samples_.push_back({pixel, stream, gather});
-    if (rays_.size == RayBlock::kMost) look();
+void EyeRays::add(uint32_t pixel, uint64_t stream, uint32_t index, Gather gather) {
+    samples_.push_back({pixel, index, stream, gather});
+    if (samples_.size() == RayBlock::kMost) look();
 }
 
 void EyeRays::finish() {
@@ -24,13 +22,32 @@ void EyeRays::finish() {
     cast_shadows();
 }
 
+void EyeRays::aim() {
+    alignas(32) std::array<float, RayBlock::kRoom> column, row;
+    alignas(32) std::array<uint32_t, RayBlock::kRoom> index, lo, hi;
+    const auto count = static_cast<uint32_t>(samples_.size());
+    for (uint32_t i = 0; i < count; ++i) {
+        const Sample& sample = samples_[i];
+        column[i] = static_cast<float>(sample.pixel % camera_.width), row[i] = static_cast<float>(sample.pixel / camera_.width);
+        index[i] = sample.index;
+        lo[i] = static_cast<uint32_t>(sample.stream), hi[i] = static_cast<uint32_t>(sample.stream >> 32);
+    }
+    const Camera camera = camera_;
+    for (uint32_t i = 0; i < count; ++i)
+        rays_.direction.set(i, camera.direction(camera.on_film(column[i], row[i], sobol2d(index[i], lo[i], hi[i]))));
+    for (uint32_t i = 0; i < count; ++i) rays_.origin.set(i, camera_.origin), rays_.traced[i] = -1;
+    rays_.size = count;
+}
+
 void EyeRays::look() {
+    aim();
     HitBlock hits;
     accel_.intersect(rays_, hits, Coherence::kRays);
     for (uint32_t i = 0; i < rays_.size; ++i) {
         Sample& sample = samples_[i];
         PixelPass& pixel = pass_[sample.pixel];
-        const EyeShader::Seen seen = shader_.sample(rays_[i], hits[i], sample.gather, sample.stream);
+        EyeStream stream(sample.stream, sample.index);
+        const EyeShader::Seen seen = shader_.sample(rays_[i], hits[i], sample.gather, stream);
         pixel.sum += seen.sample;
         ++pixel.samples;
         pixel.excess += seen.excess;

@@ -16,16 +16,16 @@ public:
     EyeRays(const Accel& accel, const EyeShader& shader, const Camera& camera, std::span<PixelPass> pass)
         : accel_(accel), shader_(shader), camera_(camera), pass_(pass) {}
 
-    /// Add one sample of a pixel; `gather`: see EyeShader.
-    void add(uint32_t pixel, EyeStream stream, Gather gather);
+    /// Add sample `index` of a pixel whose random numbers have the key `stream`; `gather`: see EyeShader.
+    void add(uint32_t pixel, uint64_t stream, uint32_t index, Gather gather);
     /// Trace what still waits.
     void finish();
 
 private:
     /// What a waiting ray from the eye belongs to.
     struct Sample {
-        uint32_t pixel;
-        EyeStream stream;
+        uint32_t pixel, index;
+        uint64_t stream;
         Gather gather;
     };
     /// What a waiting shadow ray decides on.
@@ -34,6 +34,7 @@ private:
         Rgb radiance;
     };
     void look();
+    void aim();
     void light(uint32_t pixel, const LampLight& light);
     void cast_shadows();
 

@@ -2,29 +2,13 @@
 #pragma once
 
 #include "lumel/accel/accel.h"
+#include "lumel/eye/eye_stream.h"
 #include "lumel/eye/film.h"
 #include "lumel/eye/reconstruction.h"
 #include "lumel/eye/small_lamps.h"
-#include "lumel/sampling/hash.h"
 #include "lumel/scene/lamp_sampler.h"
 
 namespace lumel {
-
-/// Pairs of random numbers for one eye sample; sample `index` of a pixel is well spread against its other samples.
-class EyeStream {
-public:
-    EyeStream(uint64_t pixel, uint32_t index) : pixel_(pixel), index_(index) {}
-    Square next() { return sobol2d(index_, key(pixel_, dimension_++)); }
-    float next_one() { return next().u; }
-    /// Numbers for a ray that only some samples of the pixel send, the one of this number among them: every so manieth sample of a sequence
-    /// would leave most of the square empty.
-    EyeStream of_some(uint64_t kind, uint32_t number) const { return {key(pixel_, ~kind), number}; }
-
-private:
-    uint64_t pixel_;
-    uint32_t index_;
-    uint64_t dimension_ = 0;
-};
 
 /// Light of a lamp that counts if nothing is between two points.
 struct LampLight {

@@ -19,8 +19,15 @@ constexpr uint64_t key(uint64_t a, uint64_t b, Rest... rest) {
     return key(mix(a + 0x9e3779b97f4a7c15ull) ^ b, rest...);
 }
 
-/// Uniform float in [0, 1) from the upper bits of `x`.
-constexpr float to_unit(uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
+/// Mix 32 bits well (constants found by Wellons 2018), for many numbers side by side: vectors have no product of 64 bits.
+constexpr uint32_t mix32(uint32_t x) {
+    x = (x ^ (x >> 16)) * 0x7feb352du;
+    x = (x ^ (x >> 15)) * 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+
+/// Uniform float in [0, 1) from the upper bits of `x`, which vectors convert as signed numbers.
+constexpr float to_unit(uint32_t x) { return static_cast<float>(static_cast<int32_t>(x >> 8)) * 0x1p-24f; }
 
 /// A small sequential generator (splitmix64) for the few places where the count of numbers is not known beforehand.
 class Rng {

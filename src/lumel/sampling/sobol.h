@@ -39,14 +39,16 @@ constexpr uint32_t sobol_second_reversed(uint32_t index) {
     return index ^ index >> 16;
 }
 
-/// Point `index` of the scrambled (0,2)-sequence of stream `seed`. Other streams are independently shuffled and scrambled
+/// Point `index` of the scrambled (0,2)-sequence of stream `seed`, whose halves are `lo` and `hi`. Other streams are independently shuffled and scrambled
 /// (Burley 2020, JCGT 9(4)), so that pairs of dimensions can be padded by giving each its own stream.
-inline Square sobol2d(uint32_t index, uint64_t seed) {
-    const auto lo = static_cast<uint32_t>(seed), hi = static_cast<uint32_t>(seed >> 32);
+constexpr Square sobol2d(uint32_t index, uint32_t lo, uint32_t hi) {
     // A shuffled index is its own first dimension reversed, which is what scrambling starts from.
     const uint32_t first = reverse_bits(scramble_reversed(reverse_bits(index), lo ^ 0x79c68e4au)), second = sobol_second_reversed(first);
     const auto scramble = [](uint32_t reversed, uint32_t key) { return to_unit(reverse_bits(scramble_reversed(reversed, key))); };
     return {scramble(first, hi), scramble(second, lo * 0x9e3779b9u + hi)};
+}
+constexpr Square sobol2d(uint32_t index, uint64_t seed) {
+    return sobol2d(index, static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32));
 }
 
 }  // namespace lumel

@@ -16,9 +16,10 @@ struct Camera {
 
     /// Point of the film, in the unit square of the whole picture, at `s` of a pixel.
     Square on_film(uint32_t pixel, Square s) const {
-        const uint32_t column = pixel % width, row = pixel / width;
-        return {(static_cast<float>(column) + s.u) / static_cast<float>(width),
-                (static_cast<float>(row) + s.v) / static_cast<float>(height)};
+        return on_film(static_cast<float>(pixel % width), static_cast<float>(pixel / width), s);
+    }
+    Square on_film(float column, float row, Square s) const {
+        return {(column + s.u) / static_cast<float>(width), (row + s.v) / static_cast<float>(height)};
     }
     /// Unit direction through point `film` of the unit square, whose origin is the upper left corner.
     Vec3 direction(Square film) const { return normalize(forward + right * ((2 * film.u - 1) * tan_x) + up * ((1 - 2 * film.v) * tan_y)); }
