@@ -109,6 +109,16 @@ Hit Accel::intersect_lamps(const Ray& ray) const {
     return hit;
 }
 
+void Accel::intersect_lamps(const RayBlock& rays, HitBlock& hits) const {
+    if (!embree_->lamps) {
+        std::fill_n(hits.triangle.begin(), rays.size, Hit::kMiss);
+        return;
+    }
+    packets::intersect(embree_->lamps, embree_->wide, rays, Coherence::kNone, hits);
+    for (uint32_t i = 0; i < rays.size; ++i)
+        if (hits.triangle[i] != Hit::kMiss) hits.triangle[i] = embree_->lamp_triangles[hits.triangle[i]];
+}
+
 void Accel::intersect(const RayBlock& rays, HitBlock& hits, Coherence coherence) const {
     packets::intersect(embree_->all, embree_->wide, rays, coherence, hits);
 }

@@ -35,6 +35,11 @@ struct RayBlock {
     alignas(32) std::array<int32_t, kRoom> traced;  ///< -1, or 0 for a ray that is left out
 
     Ray operator[](uint32_t i) const { return {origin[i], direction[i]}; }
+    void push(Vec3 from, Vec3 along) {
+        origin.set(size, from), direction.set(size, along);
+        traced[size++] = -1;
+    }
+    bool is_full() const { return size == kMost; }
 };
 
 /// What the rays of a block hit; what was left out misses.
@@ -88,6 +93,7 @@ public:
     void intersect(const RayBlock& rays, HitBlock& hits, Coherence coherence = Coherence::kOrigins) const;
     /// Closest hit among the area lamps, as if there were nothing else.
     Hit intersect_lamps(const Ray& ray) const;
+    void intersect_lamps(const RayBlock& rays, HitBlock& hits) const;
     bool occluded(const Ray& ray) const;
     /// For all rays of a block that are traced, whether anything is met between origin and origin + direction.
     void occluded(const RayBlock& segments, BlockedBlock& blocked) const;

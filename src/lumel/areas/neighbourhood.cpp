@@ -22,7 +22,7 @@ void invert(const std::vector<std::array<uint32_t, 3>>& numbers, uint32_t count,
 }  // namespace
 
 Neighbourhood::Neighbourhood(const Scene& scene, const Lattice& lattice, const PatchAreas& areas)
-    : lattice_(&lattice), slot_(size_t{lattice.size()} * 2, Scene::kNone) {
+    : slot_(size_t{lattice.size()} * 2, Scene::kNone) {
     // Number the vertices of all measured sides, and note the slots and the places of the corners of each.
     uint32_t slots = 0;
     std::vector<std::array<uint32_t, 3>> slots_of(areas.size());

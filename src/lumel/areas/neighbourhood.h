@@ -17,8 +17,8 @@ public:
     Neighbourhood(const Scene& scene, const Lattice& lattice, const PatchAreas& areas);
 
     uint32_t slots() const { return static_cast<uint32_t>(first_own_.size() - 1); }
-    /// Slot of a vertex on one face, or Scene::kNone.
-    uint32_t slot(uint32_t vertex, bool back) const { return slot_[vertex + (back ? lattice_->size() : 0)]; }
+    /// Slot of a vertex on one face, or Scene::kNone. Those on backs are numbered behind those on fronts.
+    uint32_t slot(uint32_t vertex) const { return slot_[vertex]; }
     /// Areas whose patches share the vertex of a slot.
     std::span<const uint32_t> own(uint32_t slot) const { return {own_.data() + first_own_[slot], own_.data() + first_own_[slot + 1]}; }
 
@@ -39,7 +39,6 @@ private:
     template <class Hits>
     std::vector<uint32_t> rings(std::span<const uint32_t> centre, float cosine, const Hits& hits, uint64_t& sum) const;
 
-    const Lattice* lattice_;
     std::vector<uint32_t> slot_, first_own_, own_;
     std::vector<uint32_t> first_at_place_, at_place_;  // areas at every place, each face apart
     std::vector<std::array<uint32_t, 3>> places_;  // per area: the places of its corners

@@ -31,19 +31,20 @@ void add_measured(const Reconstructed& specular, PixelPass& pass) {
 bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reconstruction& reconstruction, const PixelRadiance* pixels,
               const EyePassConfig& config, const std::atomic<bool>* stop, Film& film) {
     const SmallLamps small_lamps(accel.scene(), camera);
-    const EyeShader shader(accel, reconstruction, small_lamps, eye, config.direct_light, pixels != nullptr);
+    const EyeShader shader(accel, reconstruction, config.direct_light);
     const std::vector<uint32_t> samples = samples_of_pass(film, config.samples);
     std::vector<PixelPass> pass(film.pixels());
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, film.height), [&](const auto& rows) {
         const FlushDenormals flush;
-        EyeRays rays(accel, shader, camera, pass);
+        EyeRays rays(shader, {camera, eye, small_lamps, pixels != nullptr}, pass);
         for (uint32_t y = rows.begin(); y < rows.end(); ++y) {
             if (stop && stop->load(std::memory_order_relaxed)) return;
             for (uint32_t pixel = y * film.width; pixel < (y + 1) * film.width; ++pixel) {
                 const auto before = static_cast<uint32_t>(film.samples(pixel));
                 const Correction& correction = film.correction[pixel];
                 const uint64_t stream = key(config.stream, pixel);
-                Gather gather{.is_allowed = config.gather,
+                Gather gather{.every_lobe = correction.gloss,
+                              .is_allowed = config.gather,
                               .before_diffuse = film.diffuse[pixel].rays(),
                               .before_specular = film.specular[pixel].rays()};
                 for (uint32_t i = before; i < before + samples[pixel]; ++i) {

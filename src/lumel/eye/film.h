@@ -76,14 +76,28 @@ struct Gathered {
 /// For which lobes an eye sample gathers indirect light, and how many samples of the pixel did so before it.
 struct Gather {
     bool diffuse = false, specular = false;
+    bool every_lobe = false;  ///< all samples of the pixel gather along the specular lobe
     bool is_allowed = false;  ///< where nothing else tells the light, all eye samples gather
     uint32_t before_diffuse = 0, before_specular = 0;
 };
+
+/// Where light counts in a pixel that is found after its eye sample was looked at.
+enum class Layer : uint8_t { kDirect, kIndirectDiffuse, kIndirectSpecular, kExcessDiffuse, kExcessSpecular };
 
 /// What one pass saw in a pixel, summed over its samples.
 struct PixelPass {
     EyeSample sum;
     Excess excess;
+    Rgb& operator[](Layer layer) {
+        switch (layer) {
+            case Layer::kDirect: return sum.direct;
+            case Layer::kIndirectDiffuse: return sum.indirect_diffuse;
+            case Layer::kIndirectSpecular: return sum.indirect_specular;
+            case Layer::kExcessDiffuse: return excess.diffuse;
+            case Layer::kExcessSpecular: return excess.specular;
+        }
+        __builtin_unreachable();
+    }
     uint32_t samples = 0, diffuse = 0, specular = 0;  ///< of the samples, those that gathered for a lobe
     uint32_t material = kNoMaterial;                  ///< whose measured gloss was seen first
 

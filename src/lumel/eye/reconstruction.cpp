@@ -108,8 +108,8 @@ void Reconstruction::hang_specular(uint32_t eye) {
     for (const Lattice::Hanging& hanging : lattice_->hanging())
         for (bool back : {false, true}) {
             if (is_cut(hanging, back)) continue;
-            const uint32_t slot = neighbourhood_.slot(hanging.vertex, back), a = neighbourhood_.slot(hanging.ends[0], back),
-                           b = neighbourhood_.slot(hanging.ends[1], back);
+            const uint32_t slot = neighbourhood_.slot(vertex_side(hanging.vertex, back)), a = neighbourhood_.slot(vertex_side(hanging.ends[0], back)),
+                           b = neighbourhood_.slot(vertex_side(hanging.ends[1], back));
             if (slot == Scene::kNone || a == Scene::kNone || b == Scene::kNone) continue;
             const Reconstructed &from = specular_[eye][a], &to = specular_[eye][b];
             Reconstructed& mean = specular_[eye][slot];
@@ -119,6 +119,7 @@ void Reconstruction::hang_specular(uint32_t eye) {
 
 Lattice::Stencil Reconstruction::stencil(SurfacePoint p, bool back) const {
     Lattice::Stencil s = lattice_->stencil(p, back);
+    for (uint32_t& vertex : s.vertex) vertex = vertex_side(vertex, back);
     if (!scene_->cover(s.patch + (back ? scene_->patches() : 0)).divides) return s;
     const Vec3 from = Surface(*scene_, p, back).off(scene_->epsilon());
     std::array<bool, 3> sees{}, nearest{};
@@ -131,47 +132,38 @@ Lattice::Stencil Reconstruction::stencil(SurfacePoint p, bool back) const {
     return s;
 }
 
-Reconstructed Reconstruction::irradiance(SurfacePoint p, bool back) const {
-    const Lattice::Stencil s = stencil(p, back);
+Reconstructed Reconstruction::irradiance(const Lattice::Stencil& at) const {
     Reconstructed r;
     for (int k = 0; k < 3; ++k) {
-        const uint32_t at = vertex_side(s.vertex[k], back);
-        r.value += indirect_.value[at] * s.weight[k];
-        r.stderr_ += indirect_.stderr_[at] * s.weight[k];
+        r.value += indirect_.value[at.vertex[k]] * at.weight[k];
+        r.stderr_ += indirect_.stderr_[at.vertex[k]] * at.weight[k];
     }
     return r;
 }
 
-std::optional<SurfacePoint> Reconstruction::draw_source(SurfacePoint p, bool back, Square choice, Square where) const {
-    const Lattice::Stencil s = stencil(p, back);
+std::optional<SurfacePoint> Reconstruction::draw_source(const Lattice::Stencil& at, Square choice, Square where) const {
     int k = 0;
-    for (float left = choice.u - s.weight[0]; k < 2 && left >= 0; left -= s.weight[k]) ++k;
-    const std::optional<uint32_t> side = pool_->draw(vertex_side(s.vertex[k], back), choice.v);
+    for (float left = choice.u - at.weight[0]; k < 2 && left >= 0; left -= at.weight[k]) ++k;
+    const std::optional<uint32_t> side = pool_->draw(at.vertex[k], choice.v);
     if (!side) return {};
     return scene_->point_on_patch(scene_->patch_of_side(*side), square_to_triangle(where));
 }
 
-Rgb Reconstruction::total_irradiance(SurfacePoint p, bool back) const {
-    const Lattice::Stencil s = stencil(p, back);
+Rgb Reconstruction::total_irradiance(const Lattice::Stencil& at) const {
     Rgb sum;
-    for (int k = 0; k < 3; ++k) {
-        const uint32_t at = vertex_side(s.vertex[k], back);
-        sum += (indirect_.value[at] + direct_.value[at]) * s.weight[k];
-    }
+    for (int k = 0; k < 3; ++k) sum += (indirect_.value[at.vertex[k]] + direct_.value[at.vertex[k]]) * at.weight[k];
     return sum;
 }
 
-std::optional<Reconstructed> Reconstruction::specular(uint32_t eye, SurfacePoint p, bool back) const {
-    const Lattice::Stencil s = stencil(p, back);
+std::optional<Reconstructed> Reconstruction::specular(uint32_t eye, const Lattice::Stencil& at) const {
     Reconstructed r;
     float weight = 0;
     for (int k = 0; k < 3; ++k) {
-        const uint32_t slot = neighbourhood_.slot(s.vertex[k], back);
+        const uint32_t slot = neighbourhood_.slot(at.vertex[k]);
         if (slot == Scene::kNone) continue;
-        weight += s.weight[k];
-        r.value += specular_[eye][slot].value * s.weight[k];
-        r.stderr_ += specular_[eye][slot].stderr_ * s.weight[k];
-        r.trust += specular_[eye][slot].trust * s.weight[k];
+        const Reconstructed& own = specular_[eye][slot];
+        weight += at.weight[k];
+        r.value += own.value * at.weight[k], r.stderr_ += own.stderr_ * at.weight[k], r.trust += own.trust * at.weight[k];
     }
     if (!(weight > 0)) return {};
     return Reconstructed{r.value / weight, r.stderr_ / weight, r.trust * (1 / weight)};

@@ -31,14 +31,17 @@ class Reconstruction {
 public:
     Reconstruction(const Accel& accel, const Lattice& lattice, const Solution& solution, const Estimator& estimator);
 
+    /// Where fields are looked up for a point: its patch, and vertices of that face. Where a wall divides the patch, the corners that are on
+    /// the same side of it as p have all the weight.
+    Lattice::Stencil stencil(SurfacePoint p, bool back) const;
     /// Irradiance that was shot (indirect, or all without the first shot), W/m2.
-    Reconstructed irradiance(SurfacePoint p, bool back) const;
+    Reconstructed irradiance(const Lattice::Stencil& at) const;
     /// A point on the same face, drawn by the share that the light around it has in `irradiance`; nothing where that is unknown.
-    std::optional<SurfacePoint> draw_source(SurfacePoint p, bool back, Square choice, Square where) const;
+    std::optional<SurfacePoint> draw_source(const Lattice::Stencil& at, Square choice, Square where) const;
     /// Irradiance of all light, W/m2: what a ray finds that meets the surface from afar.
-    Rgb total_irradiance(SurfacePoint p, bool back) const;
+    Rgb total_irradiance(const Lattice::Stencil& at) const;
     /// Indirect specular radiance towards an eye, W/(m2 sr); nothing where none of the vertices around was measured.
-    std::optional<Reconstructed> specular(uint32_t eye, SurfacePoint p, bool back) const;
+    std::optional<Reconstructed> specular(uint32_t eye, const Lattice::Stencil& at) const;
 
     /// Vertices that had no sample of their own and took those of their neighbours, and vertices that found none there either.
     uint32_t borrowed() const { return borrowed_; }
@@ -58,8 +61,6 @@ private:
     /// Find the edges of patches whose ends a wall keeps apart, or whose end is covered. Fields are not linear along these.
     void find_cut_edges();
     bool is_cut(const Lattice::Hanging& hanging, bool back) const;
-    /// Where a wall divides the patch, the corners that are on the same side of it as p have all the weight.
-    Lattice::Stencil stencil(SurfacePoint p, bool back) const;
     uint32_t vertex_side(uint32_t vertex, bool back) const { return vertex + (back ? lattice_->size() : 0); }
 
     const Accel* accel_;

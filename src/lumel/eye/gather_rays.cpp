@@ -1,0 +1,121 @@
+#include "lumel/eye/gather_rays.h"
+
+namespace lumel {
+
+namespace {
+
+constexpr uint32_t kLobes = 32;
+constexpr int kSources = 4;  // points of patches that are tried: some are under a box
+constexpr float kNear = 2;   // patches: what is closer may make the reconstruction be off
+constexpr uint64_t kOtherSource = ~uint64_t{0};
+
+}  // namespace
+
+void GatherRays::push(const Ray& ray, const Waiting& waiting) {
+    filling().rays.push(ray.origin, ray.direction);
+    filling().tasks.push_back(waiting);
+}
+
+void GatherRays::push_above(const Surface& x, Vec3 wi, const Waiting& waiting) {
+    push({x.off(scene_.epsilon()), wi}, waiting);
+    RayBlock& rays = filling().rays;
+    if (!(dot(x.normal, wi) > 0)) rays.traced[rays.size - 1] = 0;
+}
+
+void GatherRays::add_pair(const Surface& x, const Hit& hit, const Lattice::Stencil& at, Vec3 wi, const GatherTask& task) {
+    EyeStream stream(key(task.stream, kOtherSource), task.number);
+    const std::optional<Surface> y = shader_.draw_source(x, at, hit.back, stream);
+    if (!y) return;
+    trace_if_full(2);
+    push_above(x, wi, {task, 0, hit});
+    push_above(*y, turned(wi, x.shading, y->shading), {task});
+}
+
+void GatherRays::finish() {
+    while (filling().rays.size > 0) trace();
+}
+
+void GatherRays::trace() {
+    Block& block = filling();
+    filling_ = 1 - filling_;
+    HitBlock hits;
+    shader_.accel().intersect(block.rays, hits);
+    for (uint32_t i = 0; i < block.rays.size; ++i) {
+        const Waiting& waiting = block.tasks[i];
+        if (!waiting.from.is_miss())
+            use_pair(block, i++, hits);
+        else if (use(waiting, block.rays[i], hits[i]) && waiting.step == 0 && waiting.task.layer == Layer::kExcessSpecular)
+            ++pass_[waiting.task.pixel].excess.near_specular;
+    }
+    block.rays.size = 0;
+    block.tasks.clear();
+}
+
+bool GatherRays::is_covered(const Hit& hit) const {
+    return !hit.is_miss() && !(scene_.open_share(scene_.side_of(hit.point(), hit.back)) > 0);
+}
+
+void GatherRays::use_pair(const Block& block, uint32_t first, const HitBlock& hits) {
+    Waiting here = block.tasks[first], there = block.tasks[first + 1];
+    Ray other = block.rays[first + 1];
+    Hit met = hits[first + 1];
+    if (scene_.has_covers() && is_covered(met)) {
+        const Surface x(scene_, here.from.point(), here.from.back);
+        const Lattice::Stencil at = shader_.reconstruction().stencil(here.from.point(), here.from.back);
+        EyeStream stream(key(here.task.stream, kOtherSource), here.task.number);
+        for (int source = 0; source < kSources && is_covered(met); ++source) {
+            const std::optional<Surface> y = shader_.draw_source(x, at, here.from.back, stream);
+            if (!y) return;
+            other = {y->off(scene_.epsilon()), turned(block.rays.direction[first], x.shading, y->shading)};
+            met = dot(y->normal, other.direction) > 0 ? shader_.accel().intersect(other) : Hit{};
+        }
+        if (is_covered(met)) return;
+    }
+    there.task.throughput *= -1;
+    const bool near = use(here, block.rays[first], hits[first]), other_near = use(there, other, met);
+    if (near || other_near) ++pass_[here.task.pixel].excess.near_diffuse;
+}
+
+bool GatherRays::use(const Waiting& waiting, Ray ray, const Hit& first) {
+    if (first.is_miss()) return false;
+    const GatherTask& task = waiting.task;
+    EyeStream stream(task.stream, task.number);
+    Rgb& sum = pass_[task.pixel][task.layer];
+    const EyeShader::Meeting m = shader_.meet(ray, first, stream);
+    sum += task.throughput * m.mirrored_emission;
+    if (!m.surface || !m.surface->scatters) return false;
+    const Surface& x = *m.surface;
+    const Rgb throughput = task.throughput * m.throughput;
+    const Vec3 way = x.x - ray.origin, wo = -ray.direction;
+    const Reconstruction& reconstruction = shader_.reconstruction();
+    const Lattice::Stencil at = reconstruction.stencil(m.hit.point(), m.hit.back);
+    const bool near = dot(way, way) < sqr(kNear) * std::max(scene_.patch_area(at.patch), sqr(task.size));
+    if (task.coarse && !near && !x.material->is_glossy()) {
+        sum += throughput * x.material->diffuse * reconstruction.total_irradiance(at) * kInvPi;
+        return false;
+    }
+    sum += throughput * x.material->diffuse * reconstruction.irradiance(at).value * kInvPi;
+    if (shader_.direct_light()) shadows_.add(task.pixel, task.layer, shader_.lamps(x, wo, stream), throughput);
+    if (x.material->is_glossy() && waiting.step + 1 < kLobes) follow_lobe(waiting, x, wo, throughput, stream);
+    return near;
+}
+
+void GatherRays::follow_lobe(const Waiting& waiting, const Surface& x, Vec3 wo, Rgb throughput, EyeStream& stream) {
+    // Follow one sample of the specular lobe; roulette ends it by its albedo.
+    const LobeDraw draw(x.shading, wo, x.material->alpha, stream.next());
+    if (!(draw.pdf_w > 0) || !(dot(x.normal, draw.wi) > 0)) return;
+    const Rgb scatter = draw.scatter(*x.material);
+    const float survive = std::min(1.0f, max_component(scatter));
+    if (!(stream.next_one() < survive)) return;
+    Waiting next{waiting.task, waiting.step + 1};
+    next.task.throughput = throughput * scatter * (1 / survive);
+    next.task.stream = key(waiting.task.stream, next.step);
+    const Ray ray{x.off(scene_.epsilon()), draw.wi};
+
+    // A lamp that it meets at once could have been sampled from x as well.
+    const LampLight light = shader_.lamp_along(x, wo, ray, shader_.accel().intersect_lamps(ray), {1, 1, 1}, draw.pdf_w);
+    shadows_.add(next.task.pixel, next.task.layer, light, next.task.throughput);
+    push(ray, next);
+}
+
+}  // namespace lumel
