@@ -28,14 +28,14 @@ public:
     /// `choice` in [0, 1) selects the triangle, `s` the point on it.
     Sample sample(float choice, Square s) const {
         if (near_ && is_few()) return sample_few(choice, s);
-        const uint32_t triangle = lamp_.triangles.size() == 1 ? lamp_.triangles[0]
-                                                              : lamp_.triangles[lamp_.by_area.find(choice * lamp_.by_area.total())];
-        if (near_ && is_near(triangle)) return sample_solid_angle(triangle, see(triangle), s);
+        const auto [triangle, per_area] = choose(choice);
+        if (!(per_area > 0)) return {};
+        if (near_ && is_near(triangle)) return sample_solid_angle(triangle, per_area, see(triangle), s);
         const Square b = square_to_triangle(s);
         Sample found = towards({triangle, b.u, b.v});
         const Vec3 to = found.y - x_;
         const float cos = -dot(found.normal, found.wi);
-        if (cos > 1e-6f) found.pdf_w = dot(to, to) / (lamp_.area * cos);
+        if (cos > 1e-6f) found.pdf_w = per_area * dot(to, to) / cos;
         return found;
     }
 
@@ -48,8 +48,8 @@ public:
             for (uint32_t t : lamp_.triangles) sum += see(t).solid_angle();
             return sum > 0 ? 1 / sum : 0.0f;
         }
-        if (near_ && is_near(triangle)) return density(triangle, see(triangle));
-        return sqr(distance) / (lamp_.area * cos);
+        const float per_area = density_of(triangle);
+        return near_ && is_near(triangle) ? density(triangle, per_area, see(triangle)) : per_area * sqr(distance) / cos;
     }
 
 private:
@@ -82,12 +82,46 @@ private:
         return {y, scene_.geometric_normal(p.triangle), dot(to, to) > 0 ? normalize(to) : Vec3{}, 0};
     }
 
-    /// A triangle chosen by area, and its point by solid angle.
-    float density(uint32_t triangle, const SphericalTriangle& seen) const {
-        return seen.solid_angle() > 0 ? scene_.triangle_area(triangle) / (lamp_.area * seen.solid_angle()) : 0.0f;
+    /// A triangle of the lamp, and the density of a point that is chosen evenly on it, 1/m2.
+    struct Choice {
+        uint32_t triangle = 0;
+        float per_area = 0;
+    };
+    /// Of the whole lamp by area, of a round one a facet first.
+    Choice choose(float choice) const {
+        if (lamp_.triangles.size() == 1) return {lamp_.triangles[0], 1 / lamp_.area};
+        if (lamp_.facets.size() == 0) return {lamp_.triangles[lamp_.by_area.find(choice * lamp_.by_area.total())], 1 / lamp_.area};
+        const LampFacets::Weights weights = lamp_.facets.weights(x_ - lamp_.centre, lamp_.radius);
+        if (!(weights.total > 0)) return {};
+        uint32_t facet = 0;
+        float at = choice * weights.total;
+        for (uint32_t i = 0; i < lamp_.facets.size(); ++i) {
+            if (!(weights.weight[i] > 0)) continue;
+            facet = i;
+            if (at < weights.weight[i]) break;
+            at -= weights.weight[i];
+        }
+        const float rest = std::min(at / weights.weight[facet], 1.0f);
+        const uint32_t first = lamp_.facets.first(facet),
+                       next = facet + 1 < lamp_.facets.size() ? lamp_.facets.first(facet + 1) : lamp_.by_area.size();
+        const double before = lamp_.by_area.before(first), area = lamp_.by_area.before(next) - before;
+        const uint32_t found = std::min(lamp_.by_area.find(before + double{rest} * area, first), next - 1);
+        return {lamp_.triangles[found], weights.weight[facet] / (weights.total * lamp_.facets.area(facet))};
     }
-    Sample sample_solid_angle(uint32_t triangle, const SphericalTriangle& seen, Square s) const {
-        const float pdf_w = density(triangle, seen);
+    /// Density with which `choose`, and a point chosen evenly, finds a point of a triangle, 1/m2.
+    float density_of(uint32_t triangle) const {
+        if (lamp_.facets.size() == 0) return 1 / lamp_.area;
+        const LampFacets::Weights weights = lamp_.facets.weights(x_ - lamp_.centre, lamp_.radius);
+        const uint32_t facet = lamp_.facets.of_cell(LampFacets::cell(scene_.geometric_normal(triangle)));
+        return weights.total > 0 ? weights.weight[facet] / (weights.total * lamp_.facets.area(facet)) : 0.0f;
+    }
+
+    /// A triangle chosen with the density `per_area`, and its point by solid angle.
+    float density(uint32_t triangle, float per_area, const SphericalTriangle& seen) const {
+        return seen.solid_angle() > 0 ? scene_.triangle_area(triangle) * per_area / seen.solid_angle() : 0.0f;
+    }
+    Sample sample_solid_angle(uint32_t triangle, float per_area, const SphericalTriangle& seen, Square s) const {
+        const float pdf_w = density(triangle, per_area, seen);
         if (!(pdf_w > 0)) return {};
         const Square b = seen.sample(s);
         Sample found = towards({triangle, b.u, b.v});

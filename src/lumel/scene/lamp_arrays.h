@@ -17,9 +17,9 @@ struct LampArrays {
     std::vector<float> power;       ///< lum of radiance times area, or of intensity, W/sr
 
     uint32_t size() const { return static_cast<uint32_t>(x.size()); }
+    static constexpr float kFlat = 0.9999f;  ///< length of the mean normal from which on a lamp is flat
     /// `mean_normal`: its length tells how flat the lamp is.
     void add(Vec3 centre, Vec3 mean_normal, float lamp_radius, float lamp_power) {
-        constexpr float kFlat = 0.9999f;
         const float flatness = length(mean_normal);
         const bool flat = flatness > kFlat;
         const Vec3 normal = flat ? mean_normal / flatness : Vec3{};

@@ -185,6 +185,7 @@ void Scene::find_lamps() {
     for (AreaLamp& lamp : area_lamps_) {
         lamp.centre *= 1 / lamp.area;
         lamp.normal *= 1 / lamp.area;
+        find_facets(lamp);
         lamp.by_area = Distribution(static_cast<uint32_t>(lamp.triangles.size()), [&](uint32_t i) { return area_[lamp.triangles[i]]; });
         for (uint32_t t : lamp.triangles)
             for (uint32_t vertex : indices_[t]) lamp.radius = std::max(lamp.radius, length(vertices_[vertex] - lamp.centre));
@@ -196,6 +197,23 @@ void Scene::find_lamps() {
     for (uint32_t i = 0; i < lamps_.size(); ++i)
         balls.push_back({{lamps_.x[i], lamps_.y[i], lamps_.z[i]}, lamps_.radius[i], lamps_.power[i]});
     lamp_tree_ = LampTree(balls);
+}
+
+void Scene::find_facets(AreaLamp& lamp) const {
+    constexpr size_t kFewest = 5;
+    if (lamp.triangles.size() < kFewest || length(lamp.normal) > LampArrays::kFlat) return;
+    const auto cell_of = [&](uint32_t triangle) { return LampFacets::cell(normal_[triangle]); };
+    std::stable_sort(lamp.triangles.begin(), lamp.triangles.end(), [&](uint32_t a, uint32_t b) { return cell_of(a) < cell_of(b); });
+    for (size_t first = 0, end = 0; first < lamp.triangles.size(); first = end) {
+        const uint32_t cell = cell_of(lamp.triangles[first]);
+        float area = 0, spread = 1;
+        Vec3 normal;
+        for (end = first; end < lamp.triangles.size() && cell_of(lamp.triangles[end]) == cell; ++end)
+            area += area_[lamp.triangles[end]], normal += normal_[lamp.triangles[end]] * area_[lamp.triangles[end]];
+        normal = normalize(normal);
+        for (size_t i = first; i < end; ++i) spread = std::min(spread, dot(normal, normal_[lamp.triangles[i]]));
+        lamp.facets.add(cell, static_cast<uint32_t>(first), area, normal, spread);
+    }
 }
 
 SurfacePoint Scene::point_on_patch(uint32_t patch, Square b) const {

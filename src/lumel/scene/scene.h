@@ -7,6 +7,7 @@
 #include "lumel/math/frame.h"
 #include "lumel/sampling/distribution.h"
 #include "lumel/scene/lamp_arrays.h"
+#include "lumel/scene/lamp_facets.h"
 #include "lumel/scene/lamp_tree.h"
 #include "lumel/scene/material.h"
 #include "lumel/scene/patch_parts.h"
@@ -52,8 +53,9 @@ struct AreaLamp {
     Vec3 centre;                      ///< mean of the triangles' centroids by area
     Vec3 normal;                      ///< mean normal by area: its length tells how flat the lamp is
     float radius = 0;                 ///< all of the lamp is within this distance of the centre
-    std::vector<uint32_t> triangles;
+    std::vector<uint32_t> triangles;  ///< those of a facet together
     Distribution by_area;             ///< over `triangles`
+    LampFacets facets;                ///< of a round lamp
 };
 
 /// What keeps light from a side, or from a part of it: what stands on the patch or cuts it.
@@ -185,6 +187,7 @@ private:
     void take_triangles(const MeshInput& input);
     void order_along_curve();
     void find_lamps();
+    void find_facets(AreaLamp& lamp) const;
 
     std::vector<Vec3> vertices_, normals_;
     std::vector<Indices> indices_;
