@@ -62,6 +62,16 @@ Difference difference(const Gathered& gathered, float light) {
     return {gathered.excess.mean(), gathered.excess.variance(), light, gathered.near / samples, samples, gathered.excess.passes()};
 }
 
+/// The same of pairs in which the second ray counts by the share `paired`, and the light that is known by the rest.
+Difference difference(const GatheredPairs& gathered, float paired, float light) {
+    Difference d = difference(gathered, light);
+    const float alone = 1 - paired;
+    d.mean = d.mean * paired + gathered.alone.mean() * alone;
+    d.variance = d.variance * paired + gathered.alone.variance() * alone + gathered.others.variance() * (-paired * alone);
+    d.variance = {std::max(0.0f, d.variance.x), std::max(0.0f, d.variance.y), std::max(0.0f, d.variance.z)};
+    return d;
+}
+
 /// Share of a difference that is worth adding, of which `real` is the square of what is not noise.
 float share(float real, float variance) { return real > 0 ? real / (real + variance) : 0.0f; }
 
@@ -158,35 +168,61 @@ Part part(const Around& around, float usual, uint32_t passes) {
     return {mean * smooth + differs * single, variance * (sqr(smooth) / count + sqr(single)), smooth};
 }
 
+/// Visit a pixel and those around.
+template <class Body>
+void for_each_around(const Film& film, int x, int y, const Body& body) {
+    for (int j = y - kReach; j <= y + kReach; ++j)
+        for (int i = x - kReach; i <= x + kReach; ++i)
+            if (i >= 0 && j >= 0 && i < static_cast<int>(film.width) && j < static_cast<int>(film.height))
+                body(size_t{film.width} * static_cast<size_t>(j) + static_cast<size_t>(i), i, j);
+}
+
+/// The share of the second rays of pairs that leaves the least noise around a pixel. These tell what the first ones find by chance, but at
+/// a contact both find hardly anything in common, and their noise adds up (control variates: Lavenberg and Welch 1981).
+float best_paired(const Film& film, int x, int y) {
+    const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
+    if (!(film.diffuse[pixel].near > 0)) return 1;
+    float common = 0, others = 0;
+    for_each_around(film, x, y, [&](size_t other, int, int) {
+        const GatheredPairs& g = film.diffuse[other];
+        if (!g.excess.has_spread() || !alike(film, pixel, other)) return;
+        const float noise = lum(g.others.variance());
+        common += g.excess.count() * 0.5f * (lum(g.alone.variance()) + noise - lum(g.excess.variance())), others += g.excess.count() * noise;
+    });
+    return others > 0 ? std::clamp(common / others, 0.0f, 1.0f) : 1.0f;
+}
+
+std::vector<Difference> differences_of_pairs(const Film& film) {
+    std::vector<Difference> all(film.pixels());
+    tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
+        for (int x = 0; x < static_cast<int>(film.width); ++x) {
+            const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
+            all[pixel] = difference(film.diffuse[pixel], best_paired(film, x, y), lum(film.sum[pixel].indirect_diffuse) / film.samples(pixel));
+        }
+    });
+    return all;
+}
+
+std::vector<Difference> differences_of_gloss(const Film& film) {
+    std::vector<Difference> all;
+    all.reserve(film.pixels());
+    for (size_t pixel = 0; pixel < film.pixels(); ++pixel)
+        all.push_back(difference(film.specular[pixel], lum(film.sum[pixel].indirect_specular) / film.samples(pixel)));
+    return all;
+}
+
 /// The differences of one kind of light in all pixels.
 struct Differences {
     const Film& film;
     std::vector<Difference> all;
     AreaSums noises, lights;  // roots of the variances of the differences, and the light
 
-    /// `light` is the light of that kind in an eye sample.
-    Differences(const Film& f, const std::vector<Gathered>& gathered, Rgb EyeSample::* light)
+    Differences(const Film& f, std::vector<Difference> of_pixels)
         : film(f),
-          all(of_pixels(f, gathered, light)),
+          all(std::move(of_pixels)),
           noises(f.width, f.height, [&](size_t pixel) { return std::sqrt(double{noise(all[pixel].variance)}); }),
           lights(f.width, f.height, [&](size_t pixel) { return std::abs(double{all[pixel].light}); }) {}
 
-    static std::vector<Difference> of_pixels(const Film& f, const std::vector<Gathered>& gathered, Rgb EyeSample::* light) {
-        std::vector<Difference> all;
-        all.reserve(f.pixels());
-        for (size_t pixel = 0; pixel < f.pixels(); ++pixel)
-            all.push_back(difference(gathered[pixel], lum(f.sum[pixel].*light) / f.samples(pixel)));
-        return all;
-    }
-
-    /// Visit a pixel and those around.
-    template <class Body>
-    void for_each_around(int x, int y, const Body& body) const {
-        for (int j = y - kReach; j <= y + kReach; ++j)
-            for (int i = x - kReach; i <= x + kReach; ++i)
-                if (i >= 0 && j >= 0 && i < static_cast<int>(film.width) && j < static_cast<int>(film.height))
-                    body(size_t{film.width} * static_cast<size_t>(j) + static_cast<size_t>(i), i, j);
-    }
     /// Rays that were gathered here and in the pixels around, and whether any met something near.
     struct Probe {
         float samples = 0;
@@ -194,14 +230,14 @@ struct Differences {
     };
     Probe probe(int x, int y) const {
         Probe p;
-        for_each_around(x, y, [&](size_t other, int, int) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
+        for_each_around(film, x, y, [&](size_t other, int, int) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
         return p;
     }
     /// The correction of a pixel.
     Part at(int x, int y) const {
         const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
         Around around;
-        for_each_around(x, y, [&](size_t other, int i, int j) {
+        for_each_around(film, x, y, [&](size_t other, int i, int j) {
             if (other != pixel && (!(all[other].samples > 0) || !alike(film, pixel, other))) return;
             around.at[static_cast<size_t>(j - y + kReach) * Around::kSide + static_cast<size_t>(i - x + kReach)] = all[other];
         });
@@ -224,8 +260,7 @@ uint32_t best_stride(const Film& film, size_t pixel, float of_ray) {
 
 void correct(Film& film, bool gloss) {
     if (film.passes < 2) return;
-    const Differences diffuse(film, film.diffuse, &EyeSample::indirect_diffuse),
-        specular(film, film.specular, &EyeSample::indirect_specular);
+    const Differences diffuse(film, differences_of_pairs(film)), specular(film, differences_of_gloss(film));
     const std::vector<GlossChoice> choices = gloss ? choose_gloss(film) : std::vector<GlossChoice>{};
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {

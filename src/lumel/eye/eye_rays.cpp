@@ -88,9 +88,9 @@ void EyeRays::see_diffuse(const View& view, EyeStream& stream) {
     pixel.sum.indirect_diffuse += throughput * irradiance.value * kInvPi;
     pixel.sum.solution_stderr += throughput * irradiance.stderr_ * kInvPi;
     if (!gather.diffuse) return;
-    task.layer = Layer::kExcessDiffuse, task.stream = key(task.stream, kDiffuse), task.number = gather.before_diffuse;
+    task.layer = Layer::kHere, task.stream = key(task.stream, kDiffuse), task.number = gather.before_diffuse;
     EyeStream of_some = stream.of_some(kDiffuse, gather.before_diffuse);
-    gathers_.add_pair(x, view.met.hit, view.at, EyeShader::draw_cosine(x, of_some.next()), task);
+    gathers_.add_pair(x, view.met.hit, view.at, EyeShader::draw_cosine(x, of_some.next()), throughput * irradiance.value * kInvPi, task);
 }
 
 void EyeRays::see_gloss(const View& view, EyeStream& stream) {

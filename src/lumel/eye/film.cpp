@@ -19,7 +19,7 @@ void Film::add(std::span<const PixelPass> pass) {
         sum[pixel] += p.sum;
         uncorrected[pixel].add(p.sum.radiance() / samples, samples);
         if (material[pixel] == PixelPass::kNoMaterial) material[pixel] = p.material;
-        diffuse[pixel].add(p.excess.diffuse, p.excess.near_diffuse, p.diffuse);
+        diffuse[pixel].add(p.pairs, p.excess.near_diffuse, p.diffuse);
         specular[pixel].add(p.excess.specular, p.excess.near_specular, p.specular);
     }
     ++passes;

@@ -58,6 +58,11 @@ struct Correction {
     static constexpr uint32_t kSeldom = 32;  ///< where nothing is near
 };
 
+/// Pairs of gathering rays, summed: what they found from the point and from the patches that its light is reconstructed from, and that light.
+struct Pairs {
+    Rgb here, there, known;
+};
+
 /// One kind of light that was gathered at a pixel.
 struct Gathered {
     PassMoments excess;
@@ -73,6 +78,20 @@ struct Gathered {
     }
 };
 
+/// The same of diffuse light, which is gathered by pairs.
+struct GatheredPairs : Gathered {
+    PassMoments alone;   ///< what the first rays found beyond the light that is known,
+    PassMoments others;  ///< and the second ones. The difference of both is `excess`
+
+    void add(const Pairs& pairs, float near_of_pass, uint32_t rays) {
+        Gathered::add(pairs.here - pairs.there, near_of_pass, rays);
+        if (rays == 0) return;
+        const auto count = static_cast<float>(rays);
+        alone.add((pairs.here - pairs.known) / count, count);
+        others.add((pairs.there - pairs.known) / count, count);
+    }
+};
+
 /// For which lobes an eye sample gathers indirect light, and how many samples of the pixel did so before it.
 struct Gather {
     bool diffuse = false, specular = false;
@@ -82,19 +101,21 @@ struct Gather {
 };
 
 /// Where light counts in a pixel that is found after its eye sample was looked at.
-enum class Layer : uint8_t { kDirect, kIndirectDiffuse, kIndirectSpecular, kExcessDiffuse, kExcessSpecular };
+enum class Layer : uint8_t { kDirect, kIndirectDiffuse, kIndirectSpecular, kExcessSpecular, kHere, kThere };
 
 /// What one pass saw in a pixel, summed over its samples.
 struct PixelPass {
     EyeSample sum;
-    Excess excess;
+    Excess excess;  ///< its diffuse part is that of `pairs`
+    Pairs pairs;
     Rgb& operator[](Layer layer) {
         switch (layer) {
             case Layer::kDirect: return sum.direct;
             case Layer::kIndirectDiffuse: return sum.indirect_diffuse;
             case Layer::kIndirectSpecular: return sum.indirect_specular;
-            case Layer::kExcessDiffuse: return excess.diffuse;
             case Layer::kExcessSpecular: return excess.specular;
+            case Layer::kHere: return pairs.here;
+            case Layer::kThere: return pairs.there;
         }
         __builtin_unreachable();
     }
@@ -110,7 +131,8 @@ struct Film {
     uint32_t passes = 0;                   ///< summed up
     std::vector<EyeSample> sum;            ///< over the samples of all passes
     std::vector<PassMoments> uncorrected;  ///< radiance without correction
-    std::vector<Gathered> diffuse, specular;
+    std::vector<GatheredPairs> diffuse;
+    std::vector<Gathered> specular;
     std::vector<Correction> correction;
     std::vector<uint32_t> material;        ///< whose measured gloss was seen first, or kNoMaterial
 

@@ -22,12 +22,12 @@ void GatherRays::push_above(const Surface& x, Vec3 wi, const Waiting& waiting) {
     if (!(dot(x.normal, wi) > 0)) rays.traced[rays.size - 1] = 0;
 }
 
-void GatherRays::add_pair(const Surface& x, const Hit& hit, const Lattice::Stencil& at, Vec3 wi, const GatherTask& task) {
+void GatherRays::add_pair(const Surface& x, const Hit& hit, const Lattice::Stencil& at, Vec3 wi, Rgb known, const GatherTask& task) {
     EyeStream stream(key(task.stream, kOtherSource), task.number);
     const std::optional<Surface> y = shader_.draw_source(x, at, hit.back, stream);
     if (!y) return;
     trace_if_full(2);
-    push_above(x, wi, {task, 0, hit});
+    push_above(x, wi, {task, 0, hit, known});
     push_above(*y, turned(wi, x.shading, y->shading), {task});
 }
 
@@ -56,7 +56,8 @@ bool GatherRays::is_covered(const Hit& hit) const {
 }
 
 void GatherRays::use_pair(const Block& block, uint32_t first, const HitBlock& hits) {
-    Waiting here = block.tasks[first], there = block.tasks[first + 1];
+    const Waiting& here = block.tasks[first];
+    Waiting there = block.tasks[first + 1];
     Ray other = block.rays[first + 1];
     Hit met = hits[first + 1];
     if (scene_.has_covers() && is_covered(met)) {
@@ -71,7 +72,8 @@ void GatherRays::use_pair(const Block& block, uint32_t first, const HitBlock& hi
         }
         if (is_covered(met)) return;
     }
-    there.task.throughput *= -1;
+    there.task.layer = Layer::kThere;
+    pass_[here.task.pixel].pairs.known += here.known;
     const bool near = use(here, block.rays[first], hits[first]), other_near = use(there, other, met);
     if (near || other_near) ++pass_[here.task.pixel].excess.near_diffuse;
 }

@@ -35,7 +35,8 @@ public:
     /// Gather what one ray along `wi` from x finds beyond the reconstruction there, `at`: less what it finds from a point of the patches
     /// that the reconstruction takes its light from. With the same random numbers both see the same of what is far, so that only what
     /// patches are too coarse for is left, and hardly any noise.
-    void add_pair(const Surface& x, const Hit& hit, const Lattice::Stencil& at, Vec3 wi, const GatherTask& task);
+    /// `known`: the light that it finds there, as what the rays find with the throughput of the task.
+    void add_pair(const Surface& x, const Hit& hit, const Lattice::Stencil& at, Vec3 wi, Rgb known, const GatherTask& task);
     /// Trace all that wait, and what they lead to.
     void finish();
 
@@ -44,6 +45,7 @@ private:
         GatherTask task;
         uint32_t step = 0;  ///< lobes that led to this ray
         Hit from{};         ///< of the first ray of a pair: where it starts. The other one follows it
+        Rgb known{};        ///< light there
     };
     struct Block {
         RayBlock rays;
