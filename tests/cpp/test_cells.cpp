@@ -74,8 +74,8 @@ double error_at_contact(const Scene& scene, const Reconstruction& found, const S
     while (count < 4000) {
         const Vec3 x{0.9f + 1.2f * rng.uniform(), 0, 0.9f + 1.2f * rng.uniform()};
         if (std::max(std::abs(x.x - 1.5f), std::abs(x.z - 1.5f)) < 0.3f) continue;
-        const double expected = double{lum(truth.irradiance(at(fine, x), false).value)};
-        square += std::pow(double{lum(found.irradiance(at(scene, x), false).value)} - expected, 2), mean += expected, ++count;
+        const double expected = double{lum(truth.irradiance(truth.stencil(at(fine, x), false)).value)};
+        square += std::pow(double{lum(found.irradiance(found.stencil(at(scene, x), false)).value)} - expected, 2), mean += expected, ++count;
     }
     return std::sqrt(square / count) / (mean / count);
 }
@@ -141,12 +141,12 @@ TEST(Cells, interpolation_has_no_steps_and_keeps_linear_fields) {
         };
         const SurfacePoint in = on_edge(off), out = on_edge(-off);
         if (out.u < 0 || out.v < 0 || out.u + out.v > 1) continue;
-        EXPECT_NEAR(rough.irradiance(in, false).value.x, rough.irradiance(out, false).value.x, 2e-3f);
+        EXPECT_NEAR(rough.irradiance(rough.stencil(in, false)).value.x, rough.irradiance(rough.stencil(out, false)).value.x, 2e-3f);
         const Vec3 x = scene.position(in), border{std::min(x.x, 3 - x.x), std::min(x.y, 3 - x.y), std::min(x.z, 3 - x.z)};
         const float nearest = std::min({border.x, border.y, border.z}),
                     next = border.x + border.y + border.z - nearest - max_component(border);
         if (scene.triangle_area(triangle) < 4 || next < 0.7f) continue;
-        EXPECT_NEAR(smooth.irradiance(in, false).value.x, linear(x), 2e-5f);
+        EXPECT_NEAR(smooth.irradiance(smooth.stencil(in, false)).value.x, linear(x), 2e-5f);
     }
 }
 

@@ -27,7 +27,7 @@ Film film_with(const std::function<float(uint32_t)>& bias, float always = 0, flo
             const float noise = kNoise * std::sqrt(12.0f) * (rng.uniform() - 0.5f);
             const uint32_t x = pixel % kSize;
             const float odd = pixel == kOdd ? always + (number == 5 ? once : 0) : 0;
-            p.excess = {grey(bias(x) + noise + odd), {}, x < kSize / 2 ? 0.3f : 0.0f, 0};
+            p.pairs.here = grey(bias(x) + noise + odd), p.excess.near_diffuse = x < kSize / 2 ? 0.3f : 0.0f;
         }
         film.add(pass);
     }

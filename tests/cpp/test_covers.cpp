@@ -162,7 +162,8 @@ TEST(Covers, light_over_a_thin_ceiling_is_not_seen_below) {
         for (float offset : {0.004f, 0.012f, 0.02f}) {
             const auto at = [&](float z) {
                 const Hit hit = session.accel().intersect({{0.5f, static_cast<float>(i) / 64, z}, {-1, 0, 0}});
-                return double{lum(session.reconstruction().total_irradiance(session.reconstruction().stencil(hit.point(), hit.back)))};
+                const Reconstruction& light = session.reconstruction();
+                return double{lum(light.total_irradiance(light.stencil(hit.point(), hit.back)))};
             };
             above += at(0.517f + offset), below += at(0.517f - offset);
         }
