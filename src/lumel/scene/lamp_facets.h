@@ -32,7 +32,7 @@ public:
         std::array<float, kRoom> weight;
         float total = 0;
     };
-    /// `to`: from the centre of the lamp; `radius`: of the lamp.
+    /// `to`: from the centre of the lamp; `radius`: of the lamp. From within that, all may face there.
     Weights weights(Vec3 to, float radius) const;
 
 private:
@@ -61,18 +61,23 @@ inline void LampFacets::add(uint32_t cell, uint32_t first, float area, Vec3 norm
 }
 
 inline LampFacets::Weights LampFacets::weights(Vec3 to, float radius) const {
-    constexpr float kLeast = 1e-3f;
-    const float d = std::max(length(to), 1e-20f), sin_p = std::min(1.0f, radius / d), cos_p = std::sqrt(1 - sin_p * sin_p);
-    const Vec3 w = to / d;
+    constexpr float kLeastSpread = 1e-3f, kLeast = 0.02f;
+    const float d = length(to);
     Weights found;
+    if (!(d > radius)) {
+        for (uint32_t i = 0; i < size_; ++i) found.total += found.weight[i] = area_[i];
+        return found;
+    }
+    const float sin_p = radius / d, cos_p = std::sqrt(1 - sin_p * sin_p);
+    const Vec3 w = to / d;
     const float *nx = x_.data(), *ny = y_.data(), *nz = z_.data(), *cosine = cos_.data(), *sine = sin_.data(), *area = area_.data();
     const uint32_t count = padded(size_);
     for (uint32_t i = 0; i < count; ++i) {
         // Normals spread around the mean, and directions to x around that from the centre. All that may face x has -s < c.
         const float c = nx[i] * w.x + ny[i] * w.y + nz[i] * w.z, sum = sine[i] * cos_p + cosine[i] * sin_p;
-        const float s = cosine[i] * cos_p - sine[i] * sin_p > 0 ? std::max(sum, kLeast) : 1.0f, above = std::max(c + s, 0.0f);
+        const float s = cosine[i] * cos_p - sine[i] * sin_p > 0 ? std::max(sum, kLeastSpread) : 1.0f, above = c + s;
         // The mean of cosines that spread evenly from c - s to c + s, those below 0 as 0.
-        found.weight[i] = area[i] * (c > s ? c : above * above / (4 * s));
+        found.weight[i] = area[i] * (above > 0 ? std::max(c > s ? c : above * above / (4 * s), kLeast) : 0.0f);
     }
     for (uint32_t i = 0; i < size_; ++i) found.total += found.weight[i];
     return found;

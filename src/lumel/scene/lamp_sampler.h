@@ -29,7 +29,9 @@ public:
         }
         // A view costs time for every lamp that it weighs: among very many, one is found by the tree.
         if (count_ > kMost) return;
-        if (glossy_)
+        if (count_ == 1)
+            weight_[0] = 1;
+        else if (glossy_)
             weigh_all<true>();
         else
             weigh_all<false>();

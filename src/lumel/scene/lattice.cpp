@@ -150,8 +150,13 @@ Lattice::Stencil Lattice::stencil(SurfacePoint p, bool back) const {
     const std::array<float, 3> raw = place.inverted ? std::array{fu + fv - 1, 1 - fu, 1 - fv} : std::array{1 - fu - fv, fu, fv};
     Stencil s{tessellation.first_patch_of_cell(in.cell) + place.index(n), corners_in_cell(in.cell, place), {}};
     for (int k = 0; k < 3; ++k) s.weight[k] = std::clamp(raw[k], 0.0f, 1.0f);
-    const Cover& cover = scene_->cover(s.patch + (back ? scene_->patches() : 0));
-    keep(s, {!cover.corner[0], !cover.corner[1], !cover.corner[2]});
+    const auto& covered = scene_->cover(s.patch + (back ? scene_->patches() : 0)).corner;
+    if (covered[0] || covered[1] || covered[2]) {
+        keep(s, {!covered[0], !covered[1], !covered[2]});
+    } else {
+        const float over = 1 / (s.weight[0] + s.weight[1] + s.weight[2]);
+        for (float& weight : s.weight) weight *= over;
+    }
     return s;
 }
 
