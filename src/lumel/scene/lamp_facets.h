@@ -61,14 +61,14 @@ inline void LampFacets::add(uint32_t cell, uint32_t first, float area, Vec3 norm
 }
 
 inline LampFacets::Weights LampFacets::weights(Vec3 to, float radius) const {
-    constexpr float kLeastSpread = 1e-3f, kLeast = 0.02f;
+    constexpr float kLeastSpread = 1e-3f, kLeast = 0.01f;
     const float d = length(to);
     Weights found;
     if (!(d > radius)) {
         for (uint32_t i = 0; i < size_; ++i) found.total += found.weight[i] = area_[i];
         return found;
     }
-    const float sin_p = radius / d, cos_p = std::sqrt(1 - sin_p * sin_p);
+    const float sin_p = radius / d, cos_p = std::sqrt(1 - sin_p * sin_p), unknown = std::max(sin_p * sin_p, kLeast);
     const Vec3 w = to / d;
     const float *nx = x_.data(), *ny = y_.data(), *nz = z_.data(), *cosine = cos_.data(), *sine = sin_.data(), *area = area_.data();
     const uint32_t count = padded(size_);
@@ -76,8 +76,9 @@ inline LampFacets::Weights LampFacets::weights(Vec3 to, float radius) const {
         // Normals spread around the mean, and directions to x around that from the centre. All that may face x has -s < c.
         const float c = nx[i] * w.x + ny[i] * w.y + nz[i] * w.z, sum = sine[i] * cos_p + cosine[i] * sin_p;
         const float s = cosine[i] * cos_p - sine[i] * sin_p > 0 ? std::max(sum, kLeastSpread) : 1.0f, above = c + s;
-        // The mean of cosines that spread evenly from c - s to c + s, those below 0 as 0.
-        found.weight[i] = area[i] * (above > 0 ? std::max(c > s ? c : above * above / (4 * s), kLeast) : 0.0f);
+        // The mean of cosines that spread evenly from c - s to c + s, those below 0 as 0. The nearer x, the less is known of them.
+        const float cosine_seen = c > s ? c : above * above / (4 * s);
+        found.weight[i] = area[i] * (above > 0 ? (1 - unknown) * cosine_seen + unknown : 0.0f);
     }
     for (uint32_t i = 0; i < size_; ++i) found.total += found.weight[i];
     return found;
