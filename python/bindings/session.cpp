@@ -98,9 +98,8 @@ public:
         const Film& film = session_->film(camera);
         std::pair<std::vector<EyeSample>, std::vector<Rgb>> all{std::vector<EyeSample>(film.pixels()), std::vector<Rgb>(film.pixels())};
         run([&] {
-            tbb::parallel_for(size_t{0}, film.pixels(), [&](size_t pixel) {
-                all.first[pixel] = film.mean(pixel), all.second[pixel] = film.standard_error(pixel);
-            });
+            tbb::parallel_for(size_t{0}, film.pixels(),
+                              [&](size_t pixel) { all.first[pixel] = film.mean(pixel), all.second[pixel] = film.standard_error(pixel); });
         });
         return all;
     }

@@ -75,7 +75,8 @@ double error_at_contact(const Scene& scene, const Reconstruction& found, const S
         const Vec3 x{0.9f + 1.2f * rng.uniform(), 0, 0.9f + 1.2f * rng.uniform()};
         if (std::max(std::abs(x.x - 1.5f), std::abs(x.z - 1.5f)) < 0.3f) continue;
         const double expected = double{lum(truth.irradiance(truth.stencil(at(fine, x), false)).value)};
-        square += std::pow(double{lum(found.irradiance(found.stencil(at(scene, x), false)).value)} - expected, 2), mean += expected, ++count;
+        square += std::pow(double{lum(found.irradiance(found.stencil(at(scene, x), false)).value)} - expected, 2), mean += expected,
+            ++count;
     }
     return std::sqrt(square / count) / (mean / count);
 }

@@ -192,6 +192,34 @@ TEST(LampView, irradiance_next_to_lamps) {
     }
 }
 
+TEST(LampView, points_of_a_far_ball_are_chosen_on_what_faces_there) {
+    SceneBuilder b;
+    const uint32_t white = b.material(matt(0.5f));
+    b.shape(white).quad({0, -2, -2}, {0, 4, 0}, {0, 0, 4});
+    b.shape(white, grey(1)).sphere({1, 0.3f, -0.2f}, 0.1f, 3, false);
+    const Scene scene = b.build(100);
+    const Accel accel(scene);
+    const Surface x = wall_at(accel, {0, 0});
+    double truth = 0;
+    for (uint32_t t = 0; t < scene.triangles(); ++t)
+        if (scene.lamp_of(t) >= 0 && dot(scene.geometric_normal(t), x.x - scene.position({t, 0, 0})) > 0)
+            truth += lambert(corners_from(scene, t, x.x), x.normal);
+    const LampView view(scene, x);
+    constexpr int kDraws = 20000;
+    double sum = 0, squares = 0;
+    Rng rng(23);
+    for (int i = 0; i < kDraws; ++i) {
+        const float choice = rng.uniform();
+        const LampSample s = view.sample(choice, square(rng));
+        const double value = s.pdf_w > 0 ? double{dot(x.normal, s.wi) / s.pdf_w} : 0;
+        sum += value, squares += value * value;
+    }
+    const double mean = sum / kDraws, deviation = std::sqrt(squares / kDraws - mean * mean);
+    EXPECT_NEAR(mean, truth, 4 * deviation / std::sqrt(kDraws));
+    // Evenly on the whole ball it would be sqrt(5/3).
+    EXPECT_LT(deviation, 0.5 * mean);
+}
+
 TEST(NearLamps, no_patch_has_more_light_than_the_brightest_lamp_can_give) {
     // A lamp cuts a wall: what 4 samples of a patch say there has no bound, but none may say more than all of them.
     SceneBuilder b;

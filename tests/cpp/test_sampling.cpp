@@ -1,6 +1,7 @@
 // Sampling triples: what is drawn has the density that is claimed.
 #include <gtest/gtest.h>
 
+#include "lumel/eye/eye_stream.h"
 #include "lumel/sampling/distribution.h"
 #include "lumel/sampling/warp.h"
 #include "stats.h"
@@ -62,6 +63,29 @@ TEST(Sobol, other_streams_are_independent) {
         ++cells[static_cast<int>(a.u * 8) * 8 + static_cast<int>(a.v * 8)];
     }
     EXPECT_GT(chi_square_cells(cells, kDraws), kSignificance);
+}
+
+TEST(EyeStream, every_pair_of_a_pixel_is_spread_well_and_pairs_are_independent) {
+    constexpr uint32_t kPairs = 20, kSamples = 16;
+    std::vector<double> cells(64);
+    for (uint64_t pixel = 0; pixel < 400; ++pixel) {
+        std::vector<EyeStream> streams;
+        for (uint32_t i = 0; i < kSamples; ++i) streams.emplace_back(key(9, pixel), i);
+        float before = 0;
+        for (uint32_t pair = 0; pair < kPairs; ++pair) {
+            std::vector<int> intervals(kSamples);
+            for (uint32_t i = 0; i < kSamples; ++i) {
+                const Square s = streams[i].next();
+                ++intervals[static_cast<uint32_t>(s.v * 4) * 4 + static_cast<uint32_t>(s.u * 4)];
+                if (i != 5) continue;
+                if (pair > 0) ++cells[static_cast<size_t>(before * 8) * 8 + static_cast<size_t>(s.u * 8)];
+                before = s.v;
+            }
+            ASSERT_EQ(std::count(intervals.begin(), intervals.end(), 1), kSamples) << "pair " << pair;
+        }
+    }
+    // The second number of a pair against the first one of the next, in one sample.
+    EXPECT_GT(chi_square_cells(cells, 400 * (kPairs - 1)), kSignificance);
 }
 
 TEST(Warp, triangle_is_uniform_and_keeps_inside) {

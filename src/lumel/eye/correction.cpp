@@ -187,7 +187,8 @@ float best_paired(const Film& film, int x, int y) {
         const GatheredPairs& g = film.diffuse[other];
         if (!g.excess.has_spread() || !alike(film, pixel, other)) return;
         const float noise = lum(g.others.variance());
-        common += g.excess.count() * 0.5f * (lum(g.alone.variance()) + noise - lum(g.excess.variance())), others += g.excess.count() * noise;
+        common += g.excess.count() * 0.5f * (lum(g.alone.variance()) + noise - lum(g.excess.variance())),
+            others += g.excess.count() * noise;
     });
     return others > 0 ? std::clamp(common / others, 0.0f, 1.0f) : 1.0f;
 }
@@ -197,7 +198,8 @@ std::vector<Difference> differences_of_pairs(const Film& film) {
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
             const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
-            all[pixel] = difference(film.diffuse[pixel], best_paired(film, x, y), lum(film.sum[pixel].indirect_diffuse) / film.samples(pixel));
+            all[pixel] = difference(film.diffuse[pixel], best_paired(film, x, y),
+                                    lum(film.sum[pixel].indirect_diffuse) / film.samples(pixel));
         }
     });
     return all;
@@ -230,7 +232,8 @@ struct Differences {
     };
     Probe probe(int x, int y) const {
         Probe p;
-        for_each_around(film, x, y, [&](size_t other, int, int) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
+        for_each_around(film, x, y,
+                        [&](size_t other, int, int) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
         return p;
     }
     /// The correction of a pixel.

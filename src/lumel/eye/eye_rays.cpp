@@ -114,10 +114,14 @@ void EyeRays::see_gloss(const View& view, EyeStream& stream) {
 
     const float size = view.size * std::max(1.0f, kRoundLobe / view.x.material->alpha);
     const bool direct = shader_.direct_light(), gathers = !is_measured || (gather.specular && gather.every_lobe);
-    GatherTask task{view.sample.pixel, is_measured ? Layer::kExcessSpecular : Layer::kIndirectSpecular, throughput, false, size,
-                    key(view.sample.stream, kUnknownSpecular), view.sample.index};
-    if (direct || gathers)
-        push_lobe(view, stream.next(), {view.x, task, direct ? Layer::kDirect : task.layer, true, gathers});
+    GatherTask task{view.sample.pixel,
+                    is_measured ? Layer::kExcessSpecular : Layer::kIndirectSpecular,
+                    throughput,
+                    false,
+                    size,
+                    key(view.sample.stream, kUnknownSpecular),
+                    view.sample.index};
+    if (direct || gathers) push_lobe(view, stream.next(), {view.x, task, direct ? Layer::kDirect : task.layer, true, gathers});
     if (!gather.specular || gathers) return;
     task.stream = key(view.sample.stream, kSpecular), task.number = gather.before_specular;
     EyeStream of_some = stream.of_some(kSpecular, gather.before_specular);

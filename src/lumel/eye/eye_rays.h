@@ -21,7 +21,12 @@ class EyeRays {
 public:
     /// `pass`: an entry for every pixel of the camera. Each pixel must be served by one EyeRays only.
     EyeRays(const EyeShader& shader, const Eye& eye, std::span<PixelPass> pass)
-        : shader_(shader), scene_(shader.scene()), eye_(eye), pass_(pass), shadows_(shader.accel(), pass), gathers_(shader, shadows_, pass) {}
+        : shader_(shader),
+          scene_(shader.scene()),
+          eye_(eye),
+          pass_(pass),
+          shadows_(shader.accel(), pass),
+          gathers_(shader, shadows_, pass) {}
 
     /// Add sample `index` of a pixel whose random numbers have the key `stream`.
     void add(uint32_t pixel, uint64_t stream, uint32_t index, Gather gather);
@@ -39,9 +44,9 @@ private:
     struct Lobe {
         Surface x;
         GatherTask task;  ///< throughput: without the lobe
-        Layer lamps;      ///< where the light of lamps counts that it points to,
-        bool to_lamps;    ///< if these are asked for
-        bool gathers;     ///< along the lobe
+        Layer lamps;  ///< where the light of lamps counts that it points to,
+        bool to_lamps;  ///< if these are asked for
+        bool gathers;  ///< along the lobe
     };
     /// A surface in view.
     struct View {

@@ -58,7 +58,8 @@ struct Correction {
     static constexpr uint32_t kSeldom = 32;  ///< where nothing is near
 };
 
-/// Pairs of gathering rays, summed: what they found from the point and from the patches that its light is reconstructed from, and that light.
+/// Pairs of gathering rays, summed: what they found from the point and from the patches that its light is reconstructed from, and that
+/// light.
 struct Pairs {
     Rgb here, there, known;
 };
@@ -110,12 +111,18 @@ struct PixelPass {
     Pairs pairs;
     Rgb& operator[](Layer layer) {
         switch (layer) {
-            case Layer::kDirect: return sum.direct;
-            case Layer::kIndirectDiffuse: return sum.indirect_diffuse;
-            case Layer::kIndirectSpecular: return sum.indirect_specular;
-            case Layer::kExcessSpecular: return excess.specular;
-            case Layer::kHere: return pairs.here;
-            case Layer::kThere: return pairs.there;
+        case Layer::kDirect:
+            return sum.direct;
+        case Layer::kIndirectDiffuse:
+            return sum.indirect_diffuse;
+        case Layer::kIndirectSpecular:
+            return sum.indirect_specular;
+        case Layer::kExcessSpecular:
+            return excess.specular;
+        case Layer::kHere:
+            return pairs.here;
+        case Layer::kThere:
+            return pairs.there;
         }
         __builtin_unreachable();
     }

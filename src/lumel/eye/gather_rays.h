@@ -44,8 +44,8 @@ private:
     struct Waiting {
         GatherTask task;
         uint32_t step = 0;  ///< lobes that led to this ray
-        Hit from{};         ///< of the first ray of a pair: where it starts. The other one follows it
-        Rgb known{};        ///< light there
+        Hit from{};  ///< of the first ray of a pair: where it starts. The other one follows it
+        Rgb known{};  ///< light there
     };
     struct Block {
         RayBlock rays;

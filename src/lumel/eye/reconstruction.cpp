@@ -108,7 +108,8 @@ void Reconstruction::hang_specular(uint32_t eye) {
     for (const Lattice::Hanging& hanging : lattice_->hanging())
         for (bool back : {false, true}) {
             if (is_cut(hanging, back)) continue;
-            const uint32_t slot = neighbourhood_.slot(vertex_side(hanging.vertex, back)), a = neighbourhood_.slot(vertex_side(hanging.ends[0], back)),
+            const uint32_t slot = neighbourhood_.slot(vertex_side(hanging.vertex, back)),
+                           a = neighbourhood_.slot(vertex_side(hanging.ends[0], back)),
                            b = neighbourhood_.slot(vertex_side(hanging.ends[1], back));
             if (slot == Scene::kNone || a == Scene::kNone || b == Scene::kNone) continue;
             const Reconstructed &from = specular_[eye][a], &to = specular_[eye][b];

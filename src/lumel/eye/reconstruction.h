@@ -31,8 +31,8 @@ class Reconstruction {
 public:
     Reconstruction(const Accel& accel, const Lattice& lattice, const Solution& solution, const Estimator& estimator);
 
-    /// Where fields are looked up for a point: its patch, and vertices of that face. Where a wall divides the patch, the corners that are on
-    /// the same side of it as p have all the weight.
+    /// Where fields are looked up for a point: its patch, and vertices of that face. Where a wall divides the patch, the corners that are
+    /// on the same side of it as p have all the weight.
     Lattice::Stencil stencil(SurfacePoint p, bool back) const;
     /// Irradiance that was shot (indirect, or all without the first shot), W/m2.
     Reconstructed irradiance(const Lattice::Stencil& at) const;
@@ -70,7 +70,7 @@ private:
     std::vector<uint64_t> cut_edges_;  // names of both vertex sides, sorted
     VertexField indirect_, direct_;
     Neighbourhood neighbourhood_;
-    std::vector<std::vector<Reconstructed>> specular_;           // per eye and slot of the neighbourhood
+    std::vector<std::vector<Reconstructed>> specular_;  // per eye and slot of the neighbourhood
     uint32_t borrowed_ = 0, unfilled_ = 0, measured_ = 0, flagged_ = 0;
 };
 

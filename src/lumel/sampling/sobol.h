@@ -39,8 +39,8 @@ constexpr uint32_t sobol_second_reversed(uint32_t index) {
     return index ^ index >> 16;
 }
 
-/// Point `index` of the scrambled (0,2)-sequence of stream `seed`, whose halves are `lo` and `hi`. Other streams are independently shuffled and scrambled
-/// (Burley 2020, JCGT 9(4)), so that pairs of dimensions can be padded by giving each its own stream.
+/// Point `index` of the scrambled (0,2)-sequence of stream `seed`, whose halves are `lo` and `hi`. Other streams are independently shuffled
+/// and scrambled (Burley 2020, JCGT 9(4)), so that pairs of dimensions can be padded by giving each its own stream.
 constexpr Square sobol2d(uint32_t index, uint32_t lo, uint32_t hi) {
     // A shuffled index is its own first dimension reversed, which is what scrambling starts from.
     const uint32_t first = reverse_bits(scramble_reversed(reverse_bits(index), lo ^ 0x79c68e4au)), second = sobol_second_reversed(first);

@@ -10,8 +10,9 @@
 
 namespace lumel {
 
-/// From any point most of a round lamp is hidden by the lamp itself, or seen at a slant: points are chosen on what faces there. A facet holds
-/// the triangles whose normals fall into one cell of a cube, 3 x 3 on each of its sides. A lamp with few triangles, or flat, has none.
+/// From any point most of a round lamp is hidden by the lamp itself, or seen at a slant: points are chosen on what faces there. A facet
+/// holds the triangles whose normals fall into one cell of a cube, 3 x 3 on each of its sides. A lamp with few triangles, or flat, has
+/// none.
 class LampFacets {
 public:
     static constexpr uint32_t kCells = 54, kRoom = padded(kCells);

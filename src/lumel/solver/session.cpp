@@ -101,7 +101,8 @@ std::vector<MeasuredArea> Session::measured(uint32_t camera, const Estimator& es
     const PixelAreas* pixels = solver_->pixels();
     const PatchAreas& areas = solver_->areas();
     if (pixels)
-        for (uint32_t pixel = 0; pixel < cameras_[camera].width * cameras_[camera].height; ++pixel) add(pixel, pixels->albedo(camera, pixel));
+        for (uint32_t pixel = 0; pixel < cameras_[camera].width * cameras_[camera].height; ++pixel)
+            add(pixel, pixels->albedo(camera, pixel));
     else
         for (uint32_t area = 0; area < areas.size(); ++area) add(area, areas.albedo(camera, area));
 
