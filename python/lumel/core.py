@@ -19,7 +19,8 @@ BRIGHTEST = 1e15  # W/(m2 sr) or W/sr: the square, a variance, must be a float t
 
 
 def to_core(scene: Scene, patches: int | None = None, more: int = MORE_PATCHES) -> tuple[_core.Scene, tuple[str, ...]]:
-    """Tessellate `scene` into about `patches` patches (None: so many `more` than there are triangles); also gives notes on what was left out.
+    """Tessellate `scene` into about `patches` patches (None: so many `more` than there are triangles); also gives notes on what was left
+    out.
 
     Raises SceneError with all that is wrong.
     """
