@@ -78,7 +78,7 @@ def render(
     `quality` (draft, medium, high) sets the work. patches: how many, about (None: 20,000 more than there are triangles; fewer
     in less than 2 s of all threads together, and up to 150,000 more where they are adaptive and the time is long or the quality high).
     adaptive: a short look at the light makes them small where it varies, above all in view; else, and with bundles, all are about as large
-    (None: in all but short renders, by a draft or of less than 4 s or 4 M rays). camera: a name, `all`, or None for the first.
+    (None: in all but short renders, by a draft or of less than 2.5 s or 4 M rays). camera: a name, `all`, or None for the first.
     size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have. window: pixels of an edge of
     the square that bundles are rasterised into, 16 to 4096 (None: about 16 pixels a patch). iteration: bundles carry the
     light of a solved state (`frozen`), or what the bundle before brought (`plain`, as in the paper). isa: the instruction set

@@ -38,12 +38,6 @@ struct EyeSample {
 struct Excess {
     Rgb diffuse, specular;
     float near_diffuse = 0, near_specular = 0;  ///< shares of gathering rays that met something near, 0..1
-
-    Excess& operator+=(const Excess& o) {
-        diffuse += o.diffuse, specular += o.specular, near_diffuse += o.near_diffuse, near_specular += o.near_specular;
-        return *this;
-    }
-    Excess operator*(float s) const { return {diffuse * s, specular * s, near_diffuse * s, near_specular * s}; }
 };
 
 /// What is added to the reconstruction of a pixel: see `correct`.

@@ -26,7 +26,7 @@ void GatherRays::add_pair(const Surface& x, const Hit& hit, const Lattice::Stenc
     EyeStream stream(key(task.stream, kOtherSource), task.number);
     const std::optional<Surface> y = shader_.draw_source(x, at, hit.back, stream);
     if (!y) return;
-    trace_if_full(2);
+    make_room(2);
     push_above(x, wi, {task, 0, hit, known});
     push_above(*y, turned(wi, x.shading, y->shading), {task});
 }

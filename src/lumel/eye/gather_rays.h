@@ -29,8 +29,8 @@ public:
         : shader_(shader), scene_(shader.scene()), shadows_(shadows), pass_(pass) {}
 
     void add(const Ray& ray, const GatherTask& task) {
+        make_room(1);
         push(ray, {task});
-        trace_if_full(1);
     }
     /// Gather what one ray along `wi` from x finds beyond the reconstruction there, `at`: less what it finds from a point of the patches
     /// that the reconstruction takes its light from. With the same random numbers both see the same of what is far, so that only what
@@ -55,8 +55,8 @@ private:
     /// Push a ray from x if it leaves on the right side, or one that meets nothing.
     void push_above(const Surface& x, Vec3 wi, const Waiting& waiting);
     /// Make room for so many rays.
-    void trace_if_full(uint32_t room) {
-        while (filling().rays.size + room > RayBlock::kMost) trace();
+    void make_room(uint32_t rays) {
+        while (filling().rays.size + rays > RayBlock::kMost) trace();
     }
     void trace();
     /// Use a ray and what it met; says whether that is so near that the reconstruction may be off where the ray came from.
