@@ -45,7 +45,7 @@ def test_small_triangles_are_left_alone() -> None:
 
 
 def test_all_but_short_renders_look_at_the_light_by_default() -> None:
-    short = ({"quality": "draft"}, {"time": 3.0}, {"rays": 100_000})
+    short = ({"quality": "draft"}, {"time": 2.0}, {"rays": 100_000})
     for settings, expected in (
         *((s, False) for s in short),
         ({}, True),
