@@ -24,6 +24,7 @@ constexpr float kMostBeyond = 2.5f;  // root mean squares that a pixel may diffe
 constexpr float kSure = 2.5f;        // but not by so many standard errors
 constexpr float kMostOfNoise = 3;   // standard errors of others that gathering may find anywhere, but
 constexpr float kPassesToBeSure = 2.5f;  // a few passes may agree by chance
+constexpr float kMostMissing = 0.15f; // of the light that is known, that second rays may not find; twice that, and pairs count as such
 constexpr float kCost = 2;       // of what gathers, a pair of rays, in eye samples without
 constexpr float kChance = 1;     // standard errors that chance may explain,
 constexpr float kMostChance = 2; // and of what neighbours have in common
@@ -178,19 +179,22 @@ void for_each_around(const Film& film, int x, int y, const Body& body) {
 }
 
 /// The share of the second rays of pairs that leaves the least noise around a pixel. These tell what the first ones find by chance, but at
-/// a contact both find hardly anything in common, and their noise adds up (control variates: Lavenberg and Welch 1981).
+/// a contact both find hardly anything in common, and their noise adds up (control variates: Lavenberg and Welch 1981). Where the second
+/// ones do not find the light that is known, bright light may be too rare for either: then only the difference tells anything.
 float best_paired(const Film& film, int x, int y) {
     const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
     if (!(film.diffuse[pixel].near > 0)) return 1;
-    float common = 0, others = 0;
+    float common = 0, others = 0, missing = 0, light = 0;
     for_each_around(film, x, y, [&](size_t other, int, int) {
         const GatheredPairs& g = film.diffuse[other];
         if (!g.excess.has_spread() || !alike(film, pixel, other)) return;
         const float noise = lum(g.others.variance());
+        missing += lum(g.others.mean()), light += lum(film.sum[other].indirect_diffuse) / film.samples(other);
         common += g.excess.count() * 0.5f * (lum(g.alone.variance()) + noise - lum(g.excess.variance())),
             others += g.excess.count() * noise;
     });
-    return others > 0 ? std::clamp(common / others, 0.0f, 1.0f) : 1.0f;
+    const float trust = std::clamp(2 - std::abs(missing) / (kMostMissing * light), 0.0f, 1.0f);
+    return others > 0 && trust > 0 ? 1 - trust * (1 - std::clamp(common / others, 0.0f, 1.0f)) : 1.0f;
 }
 
 std::vector<Difference> differences_of_pairs(const Film& film) {

@@ -29,7 +29,8 @@ void EyeRays::aim() {
     const Camera camera = eye_.camera;
     for (uint32_t i = 0; i < count; ++i) {
         const Sample& sample = samples_[i];
-        column[i] = static_cast<float>(sample.pixel % camera.width), row[i] = static_cast<float>(sample.pixel / camera.width);
+        const uint32_t x = sample.pixel % camera.width, y = sample.pixel / camera.width;
+        column[i] = static_cast<float>(x), row[i] = static_cast<float>(y);
         index[i] = sample.index;
         lo[i] = static_cast<uint32_t>(sample.stream), hi[i] = static_cast<uint32_t>(sample.stream >> 32);
     }

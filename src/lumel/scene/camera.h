@@ -16,7 +16,8 @@ struct Camera {
 
     /// Point of the film, in the unit square of the whole picture, at `s` of a pixel.
     Square on_film(uint32_t pixel, Square s) const {
-        return on_film(static_cast<float>(pixel % width), static_cast<float>(pixel / width), s);
+        const uint32_t column = pixel % width, row = pixel / width;
+        return on_film(static_cast<float>(column), static_cast<float>(row), s);
     }
     Square on_film(float column, float row, Square s) const {
         return {(column + s.u) / static_cast<float>(width), (row + s.v) / static_cast<float>(height)};
