@@ -169,20 +169,21 @@ Part part(const Around& around, float usual, uint32_t passes) {
     return {mean * smooth + differs * single, variance * (sqr(smooth) / count + sqr(single)), smooth};
 }
 
+size_t pixel_at(const Film& film, int x, int y) { return size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x); }
+
 /// Visit a pixel and those around.
 template <class Body>
 void for_each_around(const Film& film, int x, int y, const Body& body) {
     for (int j = y - kReach; j <= y + kReach; ++j)
         for (int i = x - kReach; i <= x + kReach; ++i)
-            if (i >= 0 && j >= 0 && i < static_cast<int>(film.width) && j < static_cast<int>(film.height))
-                body(size_t{film.width} * static_cast<size_t>(j) + static_cast<size_t>(i), i, j);
+            if (i >= 0 && j >= 0 && i < static_cast<int>(film.width) && j < static_cast<int>(film.height)) body(pixel_at(film, i, j), i, j);
 }
 
 /// The share of the second rays of pairs that leaves the least noise around a pixel. These tell what the first ones find by chance, but at
 /// a contact both find hardly anything in common, and their noise adds up (control variates: Lavenberg and Welch 1981). Where the second
 /// ones do not find the light that is known, bright light may be too rare for either: then only the difference tells anything.
 float best_paired(const Film& film, int x, int y) {
-    const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
+    const size_t pixel = pixel_at(film, x, y);
     if (!(film.diffuse[pixel].near > 0)) return 1;
     float common = 0, others = 0, missing = 0, light = 0;
     for_each_around(film, x, y, [&](size_t other, int, int) {
@@ -201,7 +202,7 @@ std::vector<Difference> differences_of_pairs(const Film& film) {
     std::vector<Difference> all(film.pixels());
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
-            const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
+            const size_t pixel = pixel_at(film, x, y);
             all[pixel] = difference(film.diffuse[pixel], best_paired(film, x, y),
                                     lum(film.sum[pixel].indirect_diffuse) / film.samples(pixel));
         }
@@ -242,7 +243,7 @@ struct Differences {
     }
     /// The correction of a pixel.
     Part at(int x, int y) const {
-        const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
+        const size_t pixel = pixel_at(film, x, y);
         Around around;
         for_each_around(film, x, y, [&](size_t other, int i, int j) {
             if (other != pixel && (!(all[other].samples > 0) || !alike(film, pixel, other))) return;
@@ -271,7 +272,7 @@ void correct(Film& film, bool gloss) {
     const std::vector<GlossChoice> choices = gloss ? choose_gloss(film) : std::vector<GlossChoice>{};
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
-            const size_t pixel = size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x);
+            const size_t pixel = pixel_at(film, x, y);
             const auto probe_d = diffuse.probe(x, y), probe_s = specular.probe(x, y);
             Correction& correction = film.correction[pixel];
             correction = {};

@@ -64,7 +64,8 @@ void GatherRays::use_pair(const Block& block, uint32_t first, const HitBlock& hi
         const Surface x(scene_, here.from.point(), here.from.back);
         const Lattice::Stencil at = shader_.reconstruction().stencil(here.from.point(), here.from.back);
         EyeStream stream(key(here.task.stream, kOtherSource), here.task.number);
-        for (int source = 0; source < kSources && is_covered(met); ++source) {
+        stream.next(), stream.next();  // of the source that is covered
+        for (int source = 1; source < kSources && is_covered(met); ++source) {
             const std::optional<Surface> y = shader_.draw_source(x, at, here.from.back, stream);
             if (!y) return;
             other = {y->off(scene_.epsilon()), turned(block.rays.direction[first], x.shading, y->shading)};

@@ -62,10 +62,9 @@ public:
 
 private:
     void add(const DirectSample& sample, Vec3 from, Vec3 to) {
-        const uint32_t k = shadows_.size++;
-        shadows_.origin.set(k, from), shadows_.direction.set(k, to - from), shadows_.traced[k] = -1;
-        samples_[k] = sample;
-        if (shadows_.size == RayBlock::kMost) cast();
+        samples_[shadows_.size] = sample;
+        shadows_.push(from, to - from);
+        if (shadows_.is_full()) cast();
     }
 
     /// No surface has more than pi times the radiance of the brightest lamp. Where a lamp touches it, one of a few samples may say so.
