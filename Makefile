@@ -53,7 +53,7 @@ lint-format: .venv/dev.stamp
 
 lint-cpp: .venv/dev.stamp
 	cmake --preset release $(CMAKE_FLAGS) >/dev/null
-	printf '%s\n' $(filter src/%.cpp,$(cpp)) | xargs -P $(jobs) -n 1 $(bin)/clang-tidy -p build/release --quiet --warnings-as-errors='*' \
+	printf '%s\n' $(filter src/%.cpp,$(cpp)) | xargs -P $(jobs) -n 1 $(bin)/clang-tidy -p build/release --quiet --warnings-as-errors='*' --extra-arg=-Werror \
 	    2>&1 | { grep -v ' warnings\? generated' || true; }  # those of other people's headers
 
 format: .venv/dev.stamp ## Rewrite all sources in the house style

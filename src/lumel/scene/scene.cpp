@@ -1,10 +1,12 @@
 #include "lumel/scene/scene.h"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <unordered_set>
+#include <utility>
 
 #include "lumel/sampling/hash.h"
 
@@ -203,7 +205,7 @@ void Scene::find_facets(AreaLamp& lamp) const {
     constexpr size_t kFewest = 5;
     if (lamp.triangles.size() < kFewest || length(lamp.normal) > LampArrays::kFlat) return;
     const auto cell_of = [&](uint32_t triangle) { return LampFacets::cell(normal_[triangle]); };
-    std::stable_sort(lamp.triangles.begin(), lamp.triangles.end(), [&](uint32_t a, uint32_t b) { return cell_of(a) < cell_of(b); });
+    std::ranges::sort(lamp.triangles, {}, [&](uint32_t triangle) { return std::pair(cell_of(triangle), triangle); });
     for (size_t first = 0, end = 0; first < lamp.triangles.size(); first = end) {
         const uint32_t cell = cell_of(lamp.triangles[first]);
         float area = 0, spread = 1;
