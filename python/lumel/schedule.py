@@ -21,7 +21,8 @@ LOOK_SAMPLES = 2  # a pixel and pass of that look
 SHORTEST_LOOK = 1.0  # s that must be left for a look to pay
 DRAFT_REPLICAS, DRAFT_RAYS = 2, 1 << 16  # of the first draft, and of each of its replicas
 SHORTEST_WITH_DRAFT = 4.0  # s that a render must have to begin with a draft
-PASS_SAMPLES = 16  # of the largest pass of the eye, for the mean pixel; passes grow to it, since what each saw tells where to look next
+PASS_SAMPLES = 4  # of the largest pass of the eye, for the mean pixel; each tells where to look next, and their spread what to believe
+SAMPLES_TO_ERROR = 32  # a pixel, of the first picture on the way to an error
 INTERRUPTED_SAMPLES = 8  # a pixel at least, after an interruption
 FEWEST_PASSES = 2  # the spread of the passes is part of the error bars
 
@@ -118,7 +119,7 @@ class Schedule:
     def by_error(self, target: float) -> None:
         """Double the work until the estimated error of the pictures is below `target`."""
         self._first_draft()
-        work, samples = 2 * self.at.pace.per_replica * FEWEST_REPLICAS, 2 * PASS_SAMPLES
+        work, samples = 2 * self.at.pace.per_replica * FEWEST_REPLICAS, SAMPLES_TO_ERROR
         while True:
             for _ in range(FEWEST_REPLICAS):
                 self._replica(work // FEWEST_REPLICAS, lambda: min(0.99, (target / self.error) ** 2 if self.error > 0 else 0.0))

@@ -8,6 +8,7 @@
 
 #include "lumel/eye/area_sums.h"
 #include "lumel/eye/gloss_choice.h"
+#include "lumel/eye/likeness.h"
 
 namespace lumel {
 
@@ -15,8 +16,6 @@ namespace {
 
 constexpr int kReach = 2;              // pixels to each side that may be alike
 constexpr int kWide = 9;               // pixels to each side, for the usual noise
-constexpr float kAlikeNormal = 0.8f;   // cosine
-constexpr float kAlikeDepth = 0.1f, kAlikeAlbedo = 0.25f;  // relative differences
 constexpr float kNear = 0.05f;         // share of rays that must have met something near; twice that, and all is believed
 constexpr float kEnough = 6;  // gathering samples a pixel: with fewer, less is believed, for rare bright rays may not have come yet
 constexpr float kProbed = 32;  // gathering samples around that met nothing near: hardly any will
@@ -29,38 +28,35 @@ constexpr float kCost = 2;       // of what gathers, a pair of rays, in eye samp
 constexpr float kChance = 1;     // standard errors that chance may explain,
 constexpr float kMostChance = 2; // and of what neighbours have in common
 
-/// Do two pixels see surfaces whose light is about equally well reconstructed?
-bool alike(const Film& film, size_t pixel, size_t other) {
-    const EyeSample &a = film.sum[pixel], &b = film.sum[other];
-    const float samples_a = film.samples(pixel), samples_b = film.samples(other);
-    const float normals = dot(a.normal, b.normal), depth = a.depth / samples_a, albedo = lum(a.albedo) / samples_a;
-    return normals > 0 && sqr(normals) > sqr(kAlikeNormal) * dot(a.normal, a.normal) * dot(b.normal, b.normal) &&
-           std::abs(depth - b.depth / samples_b) <= kAlikeDepth * depth &&
-           std::abs(lum(b.albedo) / samples_b - albedo) <= kAlikeAlbedo * albedo;
-}
-
 /// lum of a variance, as if its channels were one.
 float noise(Rgb variance) { return sqr(lum(square_root(variance))); }
 
 /// One kind of indirect light at a pixel: the mean excess, the variance of that mean, the light itself, how much is near.
 struct Difference {
     Rgb mean, variance;
+    float stderr_ = 0;  ///< lum
     float light = 0, near = 0, samples = 0, passes = 0;
 
-    /// No larger than `most`, but where it came again and again.
-    Difference limited(float most) const {
+    void set_variance(Rgb v) { variance = v, stderr_ = std::sqrt(noise(v)); }
+    /// Make it no larger than `most`, but where it came again and again.
+    void limit(float most) {
         const float size = std::abs(lum(mean));
-        if (!(size > most) || (passes >= kPassesToBeSure && sqr(size) > sqr(kSure) * noise(variance))) return *this;
-        Difference d = *this;
-        d.mean *= most / size, d.variance *= sqr(most / size);
-        return d;
+        if (!(size > most) || (passes >= kPassesToBeSure && size > kSure * stderr_)) return;
+        const float less = most / size;
+        mean *= less, variance *= sqr(less), stderr_ *= less;
     }
 };
 
 Difference difference(const Gathered& gathered, float light) {
-    const float samples = gathered.excess.count();
-    if (!gathered.excess.has_spread()) return {};
-    return {gathered.excess.mean(), gathered.excess.variance(), light, gathered.near / samples, samples, gathered.excess.passes()};
+    const PassMoments& excess = gathered.excess;
+    if (!excess.has_spread()) return {};
+    Difference d{.mean = excess.mean(),
+                 .light = light,
+                 .near = gathered.near / excess.count(),
+                 .samples = excess.count(),
+                 .passes = excess.passes()};
+    d.set_variance(excess.variance());
+    return d;
 }
 
 /// The same of pairs in which the second ray counts by the share `paired`, and the light that is known by the rest.
@@ -68,8 +64,8 @@ Difference difference(const GatheredPairs& gathered, float paired, float light) 
     Difference d = difference(gathered, light);
     const float alone = 1 - paired;
     d.mean = d.mean * paired + gathered.alone.mean() * alone;
-    d.variance = d.variance * paired + gathered.alone.variance() * alone + gathered.others.variance() * (-paired * alone);
-    d.variance = {std::max(0.0f, d.variance.x), std::max(0.0f, d.variance.y), std::max(0.0f, d.variance.z)};
+    const Rgb v = d.variance * paired + gathered.alone.variance() * alone + gathered.others.variance() * (-paired * alone);
+    d.set_variance({std::max(0.0f, v.x), std::max(0.0f, v.y), std::max(0.0f, v.z)});
     return d;
 }
 
@@ -105,10 +101,10 @@ struct Around {
     /// Let a rare bright ray count no more than noise makes of others. `usual`: see `part`.
     void limit(float usual) {
         float roots = 0, lights = 0, count = 0;
-        for_each([&](const Difference& d) { roots += std::sqrt(noise(d.variance)), lights += sqr(d.light), ++count; });
+        for_each([&](const Difference& d) { roots += d.stderr_, lights += sqr(d.light), ++count; });
         const float most = kMostOfNoise * std::sqrt(std::max(sqr(roots / count), usual * lights / count));
         for (auto& d : at)
-            if (d) *d = d->limited(most);
+            if (d) d->limit(most);
     }
     /// Square of the mean without noise, which makes `variance` of it: from what every other pixel and the pixels between them agree on.
     float square_of_mean(float variance, uint32_t passes) const {
@@ -156,7 +152,7 @@ Part part(const Around& around, float usual, uint32_t passes) {
     around.for_each([&](const Difference& d) { beyond += sqr(lum(d.mean - mean_of_others)) / others; });
     beyond = std::max(0.0f, beyond - sqr(lum(own.mean - mean_of_others)) / others);
     const float trust = std::min(1.0f, near / kNear - 1) * std::min(1.0f, samples / kEnough),
-                of_one = std::max(noise(variance), usual * light), own_noise = std::max(noise(own.variance), of_one);
+                of_one = std::max(noise(variance), usual * light), own_noise = std::max(sqr(own.stderr_), of_one);
     const float size = std::abs(lum(differs)), usual_size = kMostBeyond * std::sqrt(beyond);
     const bool is_sure = own.passes >= kPassesToBeSure && sqr(size) > sqr(kSure) * own_noise;
     const auto [common, error] = around.common(mean_of_others, of_one);
@@ -182,13 +178,13 @@ void for_each_around(const Film& film, int x, int y, const Body& body) {
 /// The share of the second rays of pairs that leaves the least noise around a pixel. These tell what the first ones find by chance, but at
 /// a contact both find hardly anything in common, and their noise adds up (control variates: Lavenberg and Welch 1981). Where the second
 /// ones do not find the light that is known, bright light may be too rare for either: then only the difference tells anything.
-float best_paired(const Film& film, int x, int y) {
+float best_paired(const Film& film, const Likeness& alike, int x, int y) {
     const size_t pixel = pixel_at(film, x, y);
     if (!(film.diffuse[pixel].near > 0)) return 1;
     float common = 0, others = 0, missing = 0, light = 0;
     for_each_around(film, x, y, [&](size_t other, int, int) {
         const GatheredPairs& g = film.diffuse[other];
-        if (!g.excess.has_spread() || !alike(film, pixel, other)) return;
+        if (!g.excess.has_spread() || !alike(pixel, other)) return;
         const float noise = lum(g.others.variance());
         missing += lum(g.others.mean()), light += lum(film.sum[other].indirect_diffuse) / film.samples(other);
         common += g.excess.count() * 0.5f * (lum(g.alone.variance()) + noise - lum(g.excess.variance())),
@@ -198,63 +194,74 @@ float best_paired(const Film& film, int x, int y) {
     return others > 0 && trust > 0 ? 1 - trust * (1 - std::clamp(common / others, 0.0f, 1.0f)) : 1.0f;
 }
 
-std::vector<Difference> differences_of_pairs(const Film& film) {
-    std::vector<Difference> all(film.pixels());
-    tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
-        for (int x = 0; x < static_cast<int>(film.width); ++x) {
-            const size_t pixel = pixel_at(film, x, y);
-            all[pixel] = difference(film.diffuse[pixel], best_paired(film, x, y),
-                                    lum(film.sum[pixel].indirect_diffuse) / film.samples(pixel));
-        }
-    });
-    return all;
-}
-
-std::vector<Difference> differences_of_gloss(const Film& film) {
-    std::vector<Difference> all;
-    all.reserve(film.pixels());
-    for (size_t pixel = 0; pixel < film.pixels(); ++pixel)
-        all.push_back(difference(film.specular[pixel], lum(film.sum[pixel].indirect_specular) / film.samples(pixel)));
-    return all;
-}
-
 /// The differences of one kind of light in all pixels.
-struct Differences {
-    const Film& film;
-    std::vector<Difference> all;
-    AreaSums noises, lights;  // roots of the variances of the differences, and the light
+class Differences {
+public:
+    /// `difference(x, y)`: of a pixel.
+    template <class Of>
+    Differences(const Film& film, const Likeness& alike, const Of& difference)
+        : film_(film),
+          alike_(alike),
+          all_(differences(film, difference)),
+          noises_(sums([](const Difference& d) { return d.stderr_; })),
+          lights_(sums([](const Difference& d) { return std::abs(d.light); })),
+          samples_(sums([](const Difference& d) { return d.samples; })),
+          near_(sums([](const Difference& d) { return d.near > 0 ? 1.0f : 0.0f; })) {}
 
-    Differences(const Film& f, std::vector<Difference> of_pixels)
-        : film(f),
-          all(std::move(of_pixels)),
-          noises(f.width, f.height, [&](size_t pixel) { return std::sqrt(double{noise(all[pixel].variance)}); }),
-          lights(f.width, f.height, [&](size_t pixel) { return std::abs(double{all[pixel].light}); }) {}
-
-    /// Rays that were gathered here and in the pixels around, and whether any met something near.
-    struct Probe {
-        float samples = 0;
-        bool near = false;
-    };
-    Probe probe(int x, int y) const {
-        Probe p;
-        for_each_around(film, x, y,
-                        [&](size_t other, int, int) { p.samples += all[other].samples, p.near = p.near || all[other].near > 0; });
-        return p;
-    }
+    const Difference& operator[](size_t pixel) const { return all_[pixel]; }
+    /// Gathering samples of a pixel and those around,
+    double samples_around(int x, int y) const { return samples_.around(x, y, kReach); }
+    /// and whether any met something near.
+    bool is_near(int x, int y) const { return near_.around(x, y, kReach) > 0; }
     /// The correction of a pixel.
     Part at(int x, int y) const {
-        const size_t pixel = pixel_at(film, x, y);
+        const size_t pixel = pixel_at(film_, x, y);
         Around around;
-        for_each_around(film, x, y, [&](size_t other, int i, int j) {
-            if (other != pixel && (!(all[other].samples > 0) || !alike(film, pixel, other))) return;
-            around.at[static_cast<size_t>(j - y + kReach) * Around::kSide + static_cast<size_t>(i - x + kReach)] = all[other];
+        for_each_around(film_, x, y, [&](size_t other, int i, int j) {
+            if (other != pixel && (!(all_[other].samples > 0) || !alike_(pixel, other))) return;
+            around.at[static_cast<size_t>(j - y + kReach) * Around::kSide + static_cast<size_t>(i - x + kReach)] = all_[other];
         });
-        const double roots = noises.around(x, y, kWide), light = lights.around(x, y, kWide);
+        const double roots = noises_.around(x, y, kWide), light = lights_.around(x, y, kWide);
         const float usual = light > 0 ? static_cast<float>(sqr(roots / light)) : 0;
         around.limit(usual);
-        return part(around, usual, film.passes);
+        return part(around, usual, film_.passes);
     }
+
+private:
+    template <class Of>
+    static std::vector<Difference> differences(const Film& film, const Of& difference) {
+        std::vector<Difference> all(film.pixels());
+        tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
+            for (int x = 0; x < static_cast<int>(film.width); ++x) all[pixel_at(film, x, y)] = difference(x, y);
+        });
+        return all;
+    }
+    template <class Value>
+    AreaSums sums(const Value& value) const {
+        return {film_.width, film_.height, [&](size_t pixel) { return double{value(all_[pixel])}; }};
+    }
+
+    const Film& film_;
+    const Likeness& alike_;
+    std::vector<Difference> all_;
+    AreaSums noises_, lights_;  // roots of the variances of the differences, and the light
+    AreaSums samples_, near_;
 };
+
+Differences diffuse_differences(const Film& film, const Likeness& alike) {
+    return {film, alike, [&](int x, int y) {
+                const size_t pixel = pixel_at(film, x, y);
+                return difference(film.diffuse[pixel], best_paired(film, alike, x, y),
+                                  lum(film.sum[pixel].indirect_diffuse) / film.samples(pixel));
+            }};
+}
+
+Differences specular_differences(const Film& film, const Likeness& alike) {
+    return {film, alike, [&](int x, int y) {
+                const size_t pixel = pixel_at(film, x, y);
+                return difference(film.specular[pixel], lum(film.sum[pixel].indirect_specular) / film.samples(pixel));
+            }};
+}
 
 /// Where gathering counts, its rays and eye samples should be in proportion to the square roots of variance over cost. `of_ray`: variance
 /// that one gathering ray leaves in the correction.
@@ -268,22 +275,22 @@ uint32_t best_stride(const Film& film, size_t pixel, float of_ray) {
 
 void correct(Film& film, bool gloss) {
     if (film.passes < 2) return;
-    const Differences diffuse(film, differences_of_pairs(film)), specular(film, differences_of_gloss(film));
+    const Likeness alike(film);
+    const Differences diffuse = diffuse_differences(film, alike), specular = specular_differences(film, alike);
     const std::vector<GlossChoice> choices = gloss ? choose_gloss(film) : std::vector<GlossChoice>{};
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
             const size_t pixel = pixel_at(film, x, y);
-            const auto probe_d = diffuse.probe(x, y), probe_s = specular.probe(x, y);
             Correction& correction = film.correction[pixel];
             correction = {};
             const uint32_t material = film.material[pixel];
             const GlossChoice choice = material < choices.size() ? choices[material] : GlossChoice{};
             correction.gloss = choice.gather;
-            const bool near = probe_d.near || probe_s.near;
-            if (!near && probe_d.samples > kProbed) correction.stride = Correction::kSeldom;
+            const bool near = diffuse.is_near(x, y) || specular.is_near(x, y);
+            if (!near && diffuse.samples_around(x, y) > kProbed) correction.stride = Correction::kSeldom;
             if (!near && !(choice.share > 0)) continue;
             // A share of all gloss is that of rays; where something is near, the rest is mended as diffuse light is.
-            const Difference &own_d = diffuse.all[pixel], &own_s = specular.all[pixel];
+            const Difference &own_d = diffuse[pixel], &own_s = specular[pixel];
             const Part d = near ? diffuse.at(x, y) : Part{}, s = (near ? specular.at(x, y) : Part{}).beside(own_s, choice.share);
             correction.value = {d.value, s.value};
             correction.stderr_ = square_root(d.variance + s.variance);

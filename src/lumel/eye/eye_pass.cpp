@@ -1,6 +1,5 @@
 #include "lumel/eye/eye_pass.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "lumel/eye/allocation.h"
@@ -14,7 +13,14 @@ namespace lumel {
 namespace {
 
 constexpr float kSharp = 0.03f;         // roughness below which patches are too coarse for what is reflected: eye passes gather it
+constexpr uint32_t kTaskSamples = 8192;  // blocks of rays shall be full, but
+constexpr uint32_t kFewestTasks = 32;    // there shall be work for all threads
 constexpr uint32_t kSurveySamples = 2;  // per pixel, to find out which patches are visible: light of others is gathered
+
+/// Tasks must not depend on the number of threads, since what a pixel gets is summed up in the order of its task.
+uint32_t pixels_of_task(const Film& film, uint32_t samples) {
+    return std::max(film.width, std::min(kTaskSamples / samples, static_cast<uint32_t>(film.pixels()) / kFewestTasks));
+}
 
 /// Add the specular light that was measured in a pixel to all samples of a pass.
 void add_measured(const Reconstructed& specular, PixelPass& pass) {
@@ -34,28 +40,28 @@ bool eye_pass(const Accel& accel, const Camera& camera, uint32_t eye, const Reco
     const EyeShader shader(accel, reconstruction, config.direct_light);
     const std::vector<uint32_t> samples = samples_of_pass(film, config.samples);
     std::vector<PixelPass> pass(film.pixels());
-    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, film.height), [&](const auto& rows) {
+    const uint32_t size = pixels_of_task(film, config.samples), tasks = (static_cast<uint32_t>(film.pixels()) + size - 1) / size;
+    tbb::parallel_for(uint32_t{0}, tasks, [&](uint32_t task) {
+        if (stop && stop->load(std::memory_order_relaxed)) return;
         const FlushDenormals flush;
         EyeRays rays(shader, {camera, eye, small_lamps, pixels != nullptr}, pass);
-        for (uint32_t y = rows.begin(); y < rows.end(); ++y) {
-            if (stop && stop->load(std::memory_order_relaxed)) return;
-            for (uint32_t pixel = y * film.width; pixel < (y + 1) * film.width; ++pixel) {
-                const auto before = static_cast<uint32_t>(film.samples(pixel));
-                const Correction& correction = film.correction[pixel];
-                const uint64_t stream = key(config.stream, pixel);
-                Gather gather{.every_lobe = correction.gloss,
-                              .is_allowed = config.gather,
-                              .before_diffuse = film.diffuse[pixel].rays(),
-                              .before_specular = film.specular[pixel].rays()};
-                for (uint32_t i = before; i < before + samples[pixel]; ++i) {
-                    gather.diffuse = config.gather && i % correction.stride == 0;
-                    gather.specular = gather.diffuse || (config.gather && correction.gloss);
-                    rays.add(pixel, stream, i, gather);
-                    gather.before_diffuse += gather.diffuse, gather.before_specular += gather.specular;
-                }
+        const uint32_t end = std::min(static_cast<uint32_t>(film.pixels()), (task + 1) * size);
+        for (uint32_t pixel = task * size; pixel < end; ++pixel) {
+            const auto before = static_cast<uint32_t>(film.samples(pixel));
+            const Correction& correction = film.correction[pixel];
+            const uint64_t stream = key(config.stream, pixel);
+            Gather gather{.every_lobe = correction.gloss,
+                          .is_allowed = config.gather,
+                          .before_diffuse = film.diffuse[pixel].rays(),
+                          .before_specular = film.specular[pixel].rays()};
+            for (uint32_t i = before; i < before + samples[pixel]; ++i) {
+                gather.diffuse = config.gather && i % correction.stride == 0;
+                gather.specular = gather.diffuse || (config.gather && correction.gloss);
+                rays.add(pixel, stream, i, gather);
+                gather.before_diffuse += gather.diffuse, gather.before_specular += gather.specular;
             }
-            rays.finish();
         }
+        rays.finish();
     });
     if (stop && stop->load()) return false;
     for (size_t pixel = 0; pixels && pixel < film.pixels(); ++pixel) add_measured(pixels->pixels[pixel], pass[pixel]);

@@ -1,5 +1,7 @@
 #include "lumel/eye/film.h"
 
+#include <tbb/parallel_for.h>
+
 namespace lumel {
 
 namespace {
@@ -13,7 +15,7 @@ Rgb corrected(Rgb light, Rgb correction) {
 }  // namespace
 
 void Film::add(std::span<const PixelPass> pass) {
-    for (size_t pixel = 0; pixel < pixels(); ++pixel) {
+    tbb::parallel_for(size_t{0}, pixels(), [&](size_t pixel) {
         const PixelPass& p = pass[pixel];
         const auto samples = static_cast<float>(p.samples);
         sum[pixel] += p.sum;
@@ -21,7 +23,7 @@ void Film::add(std::span<const PixelPass> pass) {
         if (material[pixel] == PixelPass::kNoMaterial) material[pixel] = p.material;
         diffuse[pixel].add(p.pairs, p.excess.near_diffuse, p.diffuse);
         specular[pixel].add(p.excess.specular, p.excess.near_specular, p.specular);
-    }
+    });
     ++passes;
 }
 

@@ -1,5 +1,7 @@
 #include "lumel/eye/gloss_choice.h"
 
+#include <tbb/parallel_for.h>
+
 #include <map>
 
 namespace lumel {
@@ -23,6 +25,10 @@ struct Gloss {
     double gathered = 0;  // variance of D
     double roots = 0;  // what it adds to those of Errors if every eye sample follows the lobe
 
+    Gloss& operator+=(const Gloss& o) {
+        pixels += o.pixels, told += o.told, common += o.common, common2 += o.common2, gathered += o.gathered, roots += o.roots;
+        return *this;
+    }
     double solution() const { return kShared * std::max(kOfThree * told, common - kChance * std::sqrt(common2)); }
 };
 
@@ -32,6 +38,15 @@ struct Errors {
     double pixels = 0, samples = 0, roots = 0;
     std::vector<Gloss> gloss;
 
+    Gloss& of(uint32_t material) {
+        if (material >= gloss.size()) gloss.resize(size_t{material} + 1);
+        return gloss[material];
+    }
+    Errors& operator+=(const Errors& o) {
+        pixels += o.pixels, samples += o.samples, roots += o.roots;
+        for (uint32_t material = 0; material < o.gloss.size(); ++material) of(material) += o.gloss[material];
+        return *this;
+    }
     GlossChoice choice(const Gloss& g) const {
         const double b2 = g.solution();
         if (!(b2 > 0) || !std::isfinite(b2 + g.gathered)) return {};
@@ -42,12 +57,11 @@ struct Errors {
     }
 };
 
-/// Adds up the tiles of a film.
+/// Adds up the tiles of a film that stand in a row.
 class Tiles {
 public:
-    Tiles(const Film& film, double e) : film_(film), e_(e) {
-        for (uint32_t y = 0; y < film.height; y += kTile)
-            for (uint32_t x = 0; x < film.width; x += kTile) add(x, y);
+    Tiles(const Film& film, double e, uint32_t row) : film_(film), e_(e) {
+        for (uint32_t x = 0; x < film.width; x += kTile) add(x, row * kTile);
     }
     const Errors& errors() const { return errors_; }
 
@@ -67,14 +81,13 @@ private:
         errors_.pixels += pixels;
         errors_.roots += std::sqrt(pixels * rest);
         for (const auto& [material, variance] : lobes)
-            errors_.gloss[material].roots += std::sqrt(pixels * (rest + variance)) - std::sqrt(pixels * rest);
+            errors_.of(material).roots += std::sqrt(pixels * (rest + variance)) - std::sqrt(pixels * rest);
     }
     /// Gives the variance of one ray of the lobe. `has_next`: there is a pixel to the right.
     double add_gloss(size_t pixel, bool has_next, double over) {
         const PassMoments& excess = film_.specular[pixel].excess;
         const uint32_t material = film_.material[pixel];
-        if (material >= errors_.gloss.size()) errors_.gloss.resize(size_t{material} + 1);
-        Gloss& gloss = errors_.gloss[material];
+        Gloss& gloss = errors_.of(material);
         const double variance = over * noise(excess.variance());
         ++gloss.pixels;
         gloss.told += over * sqr(double{lum(film_.sum[pixel].specular_stderr) / film_.samples(pixel)});
@@ -99,9 +112,13 @@ private:
 std::vector<GlossChoice> choose_gloss(const Film& film) {
     const double light = film.mean_light();
     if (!(light > 0)) return {};
-    const Tiles tiles(film, double{Film::kDark} * sqr(light));
+    std::vector<Errors> rows((film.height + kTile - 1) / kTile);
+    tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(rows.size()),
+                      [&](uint32_t row) { rows[row] = Tiles(film, double{Film::kDark} * sqr(light), row).errors(); });
+    Errors errors;
+    for (const Errors& row : rows) errors += row;
     std::vector<GlossChoice> choices;
-    for (const Gloss& gloss : tiles.errors().gloss) choices.push_back(tiles.errors().choice(gloss));
+    for (const Gloss& gloss : errors.gloss) choices.push_back(errors.choice(gloss));
     return choices;
 }
 
