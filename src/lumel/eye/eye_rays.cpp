@@ -82,7 +82,8 @@ void EyeRays::see_diffuse(const View& view, EyeStream& stream) {
     GatherTask task{view.sample.pixel, Layer::kIndirectDiffuse, throughput, true, view.size, view.sample.stream, view.sample.index};
     if (gather.is_allowed && !(lum(irradiance.stderr_) < kUnknown * lum(irradiance.value))) {
         task.stream = key(task.stream, kUnknownDiffuse);
-        const Vec3 wi = EyeShader::draw_cosine(x, stream.next());
+        const Vec3 wi = draw_diffuse(x, stream, task);
+        task.pdf_w = EyeShader::pdf_cosine(x, wi);
         if (dot(x.normal, wi) > 0) gathers_.add({x.off(scene_.epsilon()), wi}, task);
         return;
     }
@@ -91,7 +92,13 @@ void EyeRays::see_diffuse(const View& view, EyeStream& stream) {
     if (!gather.diffuse) return;
     task.layer = Layer::kHere, task.stream = key(task.stream, kDiffuse), task.number = gather.before_diffuse;
     EyeStream of_some = stream.of_some(kDiffuse, gather.before_diffuse);
-    gathers_.add_pair(x, view.met.hit, view.at, EyeShader::draw_cosine(x, of_some.next()), throughput * irradiance.value * kInvPi, task);
+    const Vec3 wi = draw_diffuse(x, of_some, task);
+    gathers_.add_pair(x, view.met.hit, view.at, wi, throughput * irradiance.value * kInvPi, task);
+}
+
+Vec3 EyeRays::draw_diffuse(const Surface& x, EyeStream& stream, GatherTask& task) const {
+    task.target = shader_.reconstruction().bright_patches().draw(stream);
+    return task.target ? normalize(task.target->x - x.x) : EyeShader::draw_cosine(x, stream.next());
 }
 
 void EyeRays::see_gloss(const View& view, EyeStream& stream) {
@@ -123,10 +130,13 @@ void EyeRays::see_gloss(const View& view, EyeStream& stream) {
                     size,
                     key(view.sample.stream, kUnknownSpecular),
                     view.sample.index};
+    const BrightPatches& bright = shader_.reconstruction().bright_patches();
+    if (gathers) task.target = bright.draw(stream);
     if (direct || gathers) push_lobe(view, stream.next(), {view.x, task, direct ? Layer::kDirect : task.layer, true, gathers});
     if (!gather.specular || gathers) return;
     task.stream = key(view.sample.stream, kSpecular), task.number = gather.before_specular;
     EyeStream of_some = stream.of_some(kSpecular, gather.before_specular);
+    task.target = bright.draw(of_some);
     push_lobe(view, of_some.next(), {view.x, task, task.layer, !direct, true});
 }
 
@@ -152,17 +162,29 @@ void EyeRays::follow_lobes() {
         const Lobe& lobe = lobes_[i];
         const LobeDraw draw = draws_[i];
         const Hit lamp = lamps[i];
-        if (!(draw.pdf_w > 0) || (lamp.is_miss() && !lobe.gathers)) continue;
+        const bool sent = lobe.gathers && lobe.task.target;
+        if (sent) send_lobe(lobe, draws_.wo[i]);
+        if (!(draw.pdf_w > 0) || (lamp.is_miss() && (sent || !lobe.gathers))) continue;
         const Rgb scatter = draw.scatter(*lobe.x.material);
         const Ray ray = lobe_rays_[i];
         GatherTask task = lobe.task;
         if (!lamp.is_miss())
             shadows_.add(task.pixel, lobe.lamps, shader_.lamp_along(lobe.x, draws_.wo[i], ray, lamp, scatter, draw.pdf_w), task.throughput);
-        task.throughput *= scatter;
-        if (lobe.gathers) gathers_.add(ray, task);
+        task.throughput *= scatter, task.pdf_w = draw.pdf_w;
+        if (lobe.gathers && !sent) gathers_.add(ray, task);
     }
     draws_.size = 0;
     lobes_.clear();
+}
+
+void EyeRays::send_lobe(const Lobe& lobe, Vec3 wo) {
+    const Surface& x = lobe.x;
+    const Vec3 wi = normalize(lobe.task.target->x - x.x);
+    const LobeDraw along = LobeDraw::along(wi, x.shading, wo, x.material->alpha);
+    if (!(along.pdf_w > 0) || !(dot(x.normal, wi) > 0)) return;
+    GatherTask task = lobe.task;
+    task.throughput *= along.scatter(*x.material), task.pdf_w = along.pdf_w;
+    gathers_.add({x.off(scene_.epsilon()), wi}, task);
 }
 
 }  // namespace lumel

@@ -9,6 +9,11 @@ constexpr int kSources = 4;  // points of patches that are tried: some are under
 constexpr float kNear = 2;   // patches: what is closer may make the reconstruction be off
 constexpr uint64_t kOtherSource = ~uint64_t{0};
 
+/// Where the second ray of a pair goes if the first one goes along `wi`.
+Vec3 way_of_other(const GatherTask& task, Vec3 wi, const Surface& x, const Surface& y) {
+    return task.target ? normalize(task.target->x - y.x) : turned(wi, x.shading, y.shading);
+}
+
 }  // namespace
 
 void GatherRays::push(const Ray& ray, const Waiting& waiting) {
@@ -18,6 +23,7 @@ void GatherRays::push(const Ray& ray, const Waiting& waiting) {
 
 void GatherRays::push_above(const Surface& x, Vec3 wi, const Waiting& waiting) {
     push({x.off(scene_.epsilon()), wi}, waiting);
+    filling().tasks.back().task.pdf_w = EyeShader::pdf_cosine(x, wi);
     RayBlock& rays = filling().rays;
     if (!(dot(x.normal, wi) > 0)) rays.traced[rays.size - 1] = 0;
 }
@@ -28,7 +34,7 @@ void GatherRays::add_pair(const Surface& x, const Hit& hit, const Lattice::Stenc
     if (!y) return;
     make_room(2);
     push_above(x, wi, {task, 0, hit, known});
-    push_above(*y, turned(wi, x.shading, y->shading), {task});
+    push_above(*y, way_of_other(task, wi, x, *y), {task});
 }
 
 void GatherRays::finish() {
@@ -45,10 +51,14 @@ void GatherRays::trace() {
         if (!waiting.from.is_miss())
             use_pair(block, i++, hits);
         else if (use(waiting, block.rays[i], hits[i]) && waiting.step == 0 && waiting.task.layer == Layer::kExcessSpecular)
-            ++pass_[waiting.task.pixel].excess.near_specular;
+            pass_[waiting.task.pixel].excess.near_specular += near_of(waiting.task);
     }
     block.rays.size = 0;
     block.tasks.clear();
+}
+
+float GatherRays::near_of(const GatherTask& task) const {
+    return task.target ? 0.0f : 1 / (1 - shader_.reconstruction().bright_patches().share());
 }
 
 bool GatherRays::is_covered(const Hit& hit) const {
@@ -68,7 +78,8 @@ void GatherRays::use_pair(const Block& block, uint32_t first, const HitBlock& hi
         for (int source = 1; source < kSources && is_covered(met); ++source) {
             const std::optional<Surface> y = shader_.draw_source(x, at, here.from.back, stream);
             if (!y) return;
-            other = {y->off(scene_.epsilon()), turned(block.rays.direction[first], x.shading, y->shading)};
+            other = {y->off(scene_.epsilon()), way_of_other(here.task, block.rays.direction[first], x, *y)};
+            there.task.pdf_w = EyeShader::pdf_cosine(*y, other.direction);
             met = dot(y->normal, other.direction) > 0 ? shader_.accel().intersect(other) : Hit{};
         }
         if (is_covered(met)) return;
@@ -76,21 +87,23 @@ void GatherRays::use_pair(const Block& block, uint32_t first, const HitBlock& hi
     there.task.layer = Layer::kThere;
     pass_[here.task.pixel].pairs.known += here.known;
     const bool near = use(here, block.rays[first], hits[first]), other_near = use(there, other, met);
-    if (near || other_near) ++pass_[here.task.pixel].excess.near_diffuse;
+    if (near || other_near) pass_[here.task.pixel].excess.near_diffuse += near_of(here.task);
 }
 
 bool GatherRays::use(const Waiting& waiting, Ray ray, const Hit& first) {
     if (first.is_miss()) return false;
     const GatherTask& task = waiting.task;
+    const Reconstruction& reconstruction = shader_.reconstruction();
+    const float weight = waiting.step == 0 ? reconstruction.bright_patches().weight(task.pdf_w, task.target, ray.origin, first) : 1.0f;
+    if (!(weight > 0)) return false;
     EyeStream stream(task.stream, task.number);
     Rgb& sum = pass_[task.pixel][task.layer];
     const EyeShader::Meeting m = shader_.meet(ray, first, stream);
-    sum += task.throughput * m.mirrored_emission;
+    sum += task.throughput * weight * m.mirrored_emission;
     if (!m.surface || !m.surface->scatters) return false;
     const Surface& x = *m.surface;
-    const Rgb throughput = task.throughput * m.throughput;
+    const Rgb throughput = task.throughput * weight * m.throughput;
     const Vec3 way = x.x - ray.origin, wo = -ray.direction;
-    const Reconstruction& reconstruction = shader_.reconstruction();
     const Lattice::Stencil at = reconstruction.stencil(m.hit.point(), m.hit.back);
     const bool near = dot(way, way) < sqr(kNear) * std::max(scene_.patch_area(at.patch), sqr(task.size));
     if (task.coarse && !near && !x.material->is_glossy()) {

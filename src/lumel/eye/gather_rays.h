@@ -18,6 +18,8 @@ struct GatherTask {
     float size = 0;      ///< of the patch that the ray left, m, longer for narrow lobes
     uint64_t stream = 0; ///< key of its random numbers, of which it takes those of `number`
     uint32_t number = 0;
+    float pdf_w = 0;     ///< 1/sr: density of the ray in its lobe, which the throughput is divided by
+    std::optional<BrightPatches::Target> target{};  ///< if the ray is sent to a bright patch instead
 };
 
 /// Gathers radiance along rays, but what their first surface emits: diffuse from the patches, lamps sampled, specular lobes followed. Rays
@@ -32,10 +34,10 @@ public:
         make_room(1);
         push(ray, {task});
     }
-    /// Gather what one ray along `wi` from x finds beyond the reconstruction there, `at`: less what it finds from a point of the patches
-    /// that the reconstruction takes its light from. With the same random numbers both see the same of what is far, so that only what
-    /// patches are too coarse for is left, and hardly any noise.
-    /// `known`: the light that it finds there, as what the rays find with the throughput of the task.
+    /// Gather what one ray along `wi`, or to the target, from x finds beyond the reconstruction there, `at`: less what it finds from a
+    /// point of the patches that the reconstruction takes its light from. With the same random numbers both see the same of what is far, so
+    /// that only what patches are too coarse for is left, and hardly any noise. `known`: the light that it finds there, as what the rays
+    /// find with the throughput of the task.
     void add_pair(const Surface& x, const Hit& hit, const Lattice::Stencil& at, Vec3 wi, Rgb known, const GatherTask& task);
     /// Trace all that wait, and what they lead to.
     void finish();
@@ -52,7 +54,7 @@ private:
         std::vector<Waiting> tasks;
     };
     void push(const Ray& ray, const Waiting& waiting);
-    /// Push a ray from x if it leaves on the right side, or one that meets nothing.
+    /// Push a ray of diffuse light from x if it leaves on the right side, or one that meets nothing.
     void push_above(const Surface& x, Vec3 wi, const Waiting& waiting);
     /// Make room for so many rays.
     void make_room(uint32_t rays) {
@@ -62,6 +64,8 @@ private:
     /// Use a ray and what it met; says whether that is so near that the reconstruction may be off where the ray came from.
     bool use(const Waiting& waiting, Ray ray, const Hit& first);
     void use_pair(const Block& block, uint32_t first, const HitBlock& hits);
+    /// What a ray that met something near counts in the share of these: those that were sent elsewhere do not.
+    float near_of(const GatherTask& task) const;
     void follow_lobe(const Waiting& waiting, const Surface& x, Vec3 wo, Rgb throughput, EyeStream& stream);
     /// Can no light reach what was hit, so that the ray came from under a cover?
     bool is_covered(const Hit& hit) const;

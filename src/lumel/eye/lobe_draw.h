@@ -18,14 +18,27 @@ struct LobeDraw {
     LobeDraw() = default;
     LobeDraw(Vec3 shading, Vec3 wo, float alpha, Square s) {
         const Frame frame(shading);
-        const Vec3 local_o = frame.to_local(wo), local_i = ggx::sample(local_o, alpha, s), h = local_i + local_o;
+        const Vec3 local_o = frame.to_local(wo), local_i = ggx::sample(local_o, alpha, s);
         wi = frame.to_world(local_i);
-        pdf_w = ggx::pdf_w(local_o, local_i, alpha), masked = ggx::G1(local_i.z, alpha), cos_h = 0.5f * length(h);
+        set(local_o, local_i, alpha);
+    }
+    /// As if `wi` had been drawn.
+    static LobeDraw along(Vec3 wi, Vec3 shading, Vec3 wo, float alpha) {
+        LobeDraw draw;
+        draw.wi = wi;
+        const Frame frame(shading);
+        draw.set(frame.to_local(wo), frame.to_local(wi), alpha);
+        return draw;
     }
     /// w_s / pdf_w on a surface of this material.
     Rgb scatter(const Material& material) const {
         const Rgb tint = material.specular * masked;
         return material.fresnel.any ? tint * material.fresnel(cos_h) : tint;
+    }
+
+private:
+    void set(Vec3 local_o, Vec3 local_i, float alpha) {
+        pdf_w = ggx::pdf_w(local_o, local_i, alpha), masked = ggx::G1(local_i.z, alpha), cos_h = 0.5f * length(local_i + local_o);
     }
 };
 

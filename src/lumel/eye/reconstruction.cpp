@@ -30,8 +30,10 @@ Reconstruction::Reconstruction(const Accel& accel, const Lattice& lattice, const
       specular_(solution.areas.eyes()) {
     find_cut_edges();
     pool_.emplace(*scene_, lattice, [&](const Lattice::Hanging& hanging, bool back) { return is_cut(hanging, back); });
-    indirect_ = pooled(smoothed(*scene_, lattice, solution.indirect));
+    const SideField indirect = smoothed(*scene_, lattice, solution.indirect);
+    indirect_ = pooled(indirect);
     direct_ = pooled(solution.direct);
+    bright_patches_ = {*scene_, [&](uint32_t side) { return indirect.mean[side] + solution.direct.mean[side]; }};
     for (uint32_t eye = 0; eye < solution.areas.eyes(); ++eye) estimate_specular(solution.areas, estimator, eye);
 }
 

@@ -6,6 +6,7 @@
 #include "lumel/accel/accel.h"
 #include "lumel/areas/estimates.h"
 #include "lumel/areas/irradiance.h"
+#include "lumel/eye/bright_patches.h"
 #include "lumel/eye/vertex_pool.h"
 #include "lumel/scene/lattice.h"
 
@@ -43,6 +44,8 @@ public:
     /// Indirect specular radiance towards an eye, W/(m2 sr); nothing where none of the vertices around was measured.
     std::optional<Reconstructed> specular(uint32_t eye, const Lattice::Stencil& at) const;
 
+    const BrightPatches& bright_patches() const { return bright_patches_; }
+
     /// Vertices that had no sample of their own and took those of their neighbours, and vertices that found none there either.
     uint32_t borrowed() const { return borrowed_; }
     uint32_t unfilled() const { return unfilled_; }
@@ -69,6 +72,7 @@ private:
     std::optional<VertexPool> pool_;
     std::vector<uint64_t> cut_edges_;  // names of both vertex sides, sorted
     VertexField indirect_, direct_;
+    BrightPatches bright_patches_;
     Neighbourhood neighbourhood_;
     std::vector<std::vector<Reconstructed>> specular_;  // per eye and slot of the neighbourhood
     uint32_t borrowed_ = 0, unfilled_ = 0, measured_ = 0, flagged_ = 0;

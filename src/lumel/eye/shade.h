@@ -44,6 +44,7 @@ public:
 
     /// A direction with density cos/pi around the shading normal.
     static Vec3 draw_cosine(const Surface& x, Square s);
+    static float pdf_cosine(const Surface& x, Vec3 wi) { return std::max(0.0f, dot(x.shading, wi)) * kInvPi; }
     /// A point of the patches that the light at x, which is looked up at `at` on that face, is reconstructed from.
     std::optional<Surface> draw_source(const Surface& x, const Lattice::Stencil& at, bool back, EyeStream& stream) const;
 
