@@ -18,6 +18,7 @@ constexpr int kReach = 2;              // pixels to each side that may be alike
 constexpr int kWide = 9;               // pixels to each side, for the usual noise
 constexpr float kNear = 0.05f;         // share of rays that must have met something near; twice that, and all is believed
 constexpr float kEnough = 6;  // gathering samples a pixel: with fewer, less is believed, for rare bright rays may not have come yet
+constexpr uint32_t kEager = 2;  // stride until then, where something is near
 constexpr float kProbed = 32;  // gathering samples around that met nothing near: hardly any will
 constexpr float kMostBeyond = 2.5f;  // root mean squares that a pixel may differ from those around: rare bright rays differ by more,
 constexpr float kSure = 2.5f;        // but not by so many standard errors
@@ -35,7 +36,8 @@ float noise(Rgb variance) { return sqr(lum(square_root(variance))); }
 struct Difference {
     Rgb mean, variance;
     float stderr_ = 0;  ///< lum
-    float light = 0, near = 0, samples = 0, passes = 0;
+    float light = 0, near = 0, samples = 0;
+    float passes = 0;  ///< 0: fewer than two, nothing is known
 
     void set_variance(Rgb v) { variance = v, stderr_ = std::sqrt(noise(v)); }
     /// Make it no larger than `most`, but where it came again and again.
@@ -49,12 +51,9 @@ struct Difference {
 
 Difference difference(const Gathered& gathered, float light) {
     const PassMoments& excess = gathered.excess;
-    if (!excess.has_spread()) return {};
-    Difference d{.mean = excess.mean(),
-                 .light = light,
-                 .near = gathered.near / excess.count(),
-                 .samples = excess.count(),
-                 .passes = excess.passes()};
+    Difference d{.light = light, .near = gathered.near / std::max(1.0f, excess.count()), .samples = excess.count()};
+    if (!excess.has_spread()) return d;
+    d.mean = excess.mean(), d.passes = excess.passes();
     d.set_variance(excess.variance());
     return d;
 }
@@ -62,6 +61,7 @@ Difference difference(const Gathered& gathered, float light) {
 /// The same of pairs in which the second ray counts by the share `paired`, and the light that is known by the rest.
 Difference difference(const GatheredPairs& gathered, float paired, float light) {
     Difference d = difference(gathered, light);
+    if (!(d.passes > 0)) return d;
     const float alone = 1 - paired;
     d.mean = d.mean * paired + gathered.alone.mean() * alone;
     const Rgb v = d.variance * paired + gathered.alone.variance() * alone + gathered.others.variance() * (-paired * alone);
@@ -218,7 +218,7 @@ public:
         const size_t pixel = pixel_at(film_, x, y);
         Around around;
         for_each_around(film_, x, y, [&](size_t other, int i, int j) {
-            if (other != pixel && (!(all_[other].samples > 0) || !alike_(pixel, other))) return;
+            if (other != pixel && (!(all_[other].passes > 0) || !alike_(pixel, other))) return;
             around.at[static_cast<size_t>(j - y + kReach) * Around::kSide + static_cast<size_t>(i - x + kReach)] = all_[other];
         });
         const double roots = noises_.around(x, y, kWide), light = lights_.around(x, y, kWide);
@@ -267,14 +267,14 @@ Differences specular_differences(const Film& film, const Likeness& alike) {
 /// that one gathering ray leaves in the correction.
 uint32_t best_stride(const Film& film, size_t pixel, float of_ray) {
     const float of_sample = lum(film.uncorrected[pixel].variance()) * film.samples(pixel);
-    if (!(of_ray * sqr(float{Correction::kProbe}) > kCost * of_sample)) return Correction::kProbe;
+    const uint32_t most = film.diffuse[pixel].excess.count() < kEnough ? kEager : Correction::kProbe;
+    if (!(of_ray * sqr(static_cast<float>(most)) > kCost * of_sample)) return most;
     return static_cast<uint32_t>(std::max(1.0f, std::round(std::sqrt(kCost * of_sample / of_ray))));
 }
 
 }  // namespace
 
 void correct(Film& film, bool gloss) {
-    if (film.passes < 2) return;
     const Likeness alike(film);
     const Differences diffuse = diffuse_differences(film, alike), specular = specular_differences(film, alike);
     const std::vector<GlossChoice> choices = gloss ? choose_gloss(film) : std::vector<GlossChoice>{};
