@@ -35,7 +35,8 @@ double mean_albedo(const Scene& scene, uint32_t side, Vec3 eye) {
     const bool grazing = dot(centre.shading, normalize(eye - centre.x)) < kGrazing,
                silhouette = grazing && dot(centre.normal, centre.shading) < kFlat;
     const uint32_t samples = grazing ? kLobeSamples : kFewSamples;
-    const std::array midpoints{albedo_at({0.5f, 0.0f}, samples, 1), albedo_at({0.5f, 0.5f}, samples, 1), albedo_at({0.0f, 0.5f}, samples, 1)};
+    const std::array midpoints{albedo_at({0.5f, 0.0f}, samples, 1), albedo_at({0.5f, 0.5f}, samples, 1),
+                               albedo_at({0.0f, 0.5f}, samples, 1)};
     const auto [least, most] = std::minmax_element(midpoints.begin(), midpoints.end());
     if (*least >= kUniform * *most && !silhouette) return (midpoints[0] + midpoints[1] + midpoints[2]) / 3;
     double sum = 0;

@@ -82,7 +82,7 @@ void EyeRays::see_diffuse(const View& view, EyeStream& stream) {
     GatherTask task{view.sample.pixel, Layer::kIndirectDiffuse, throughput, true, view.size, view.sample.stream, view.sample.index};
     if (gather.is_allowed && !(lum(irradiance.stderr_) < kUnknown * lum(irradiance.value))) {
         task.stream = key(task.stream, kUnknownDiffuse);
-        const Vec3 wi = draw_diffuse(x, stream, task);
+        const Vec3 wi = shader_.draw_diffuse(x, stream, task.target);
         task.pdf_w = EyeShader::pdf_cosine(x, wi);
         if (dot(x.normal, wi) > 0) gathers_.add({x.off(scene_.epsilon()), wi}, task);
         return;
@@ -92,13 +92,8 @@ void EyeRays::see_diffuse(const View& view, EyeStream& stream) {
     if (!gather.diffuse) return;
     task.layer = Layer::kHere, task.stream = key(task.stream, kDiffuse), task.number = gather.before_diffuse;
     EyeStream of_some = stream.of_some(kDiffuse, gather.before_diffuse);
-    const Vec3 wi = draw_diffuse(x, of_some, task);
+    const Vec3 wi = shader_.draw_diffuse(x, of_some, task.target);
     gathers_.add_pair(x, view.met.hit, view.at, wi, throughput * irradiance.value * kInvPi, task);
-}
-
-Vec3 EyeRays::draw_diffuse(const Surface& x, EyeStream& stream, GatherTask& task) const {
-    task.target = shader_.reconstruction().bright_patches().draw(stream);
-    return task.target ? normalize(task.target->x - x.x) : EyeShader::draw_cosine(x, stream.next());
 }
 
 void EyeRays::see_gloss(const View& view, EyeStream& stream) {

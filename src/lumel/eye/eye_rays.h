@@ -61,8 +61,6 @@ private:
     void aim();
     void see(const Sample& sample, Ray ray, const Hit& hit);
     void see_diffuse(const View& view, EyeStream& stream);
-    /// The direction of a gathering ray of diffuse light, and its target, if it is sent to one.
-    Vec3 draw_diffuse(const Surface& x, EyeStream& stream, GatherTask& task) const;
     void see_gloss(const View& view, EyeStream& stream);
     void push_lobe(const View& view, Square s, const Lobe& lobe);
     void follow_lobes();

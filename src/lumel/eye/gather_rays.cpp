@@ -7,6 +7,7 @@ namespace {
 constexpr uint32_t kLobes = 32;
 constexpr int kSources = 4;  // points of patches that are tried: some are under a box
 constexpr float kNear = 2;   // patches: what is closer may make the reconstruction be off
+constexpr float kClose = 0.5f;  // patches: what is closer has light that may be off itself
 constexpr uint64_t kOtherSource = ~uint64_t{0};
 
 /// Where the second ray of a pair goes if the first one goes along `wi`.
@@ -94,7 +95,7 @@ bool GatherRays::use(const Waiting& waiting, Ray ray, const Hit& first) {
     if (first.is_miss()) return false;
     const GatherTask& task = waiting.task;
     const Reconstruction& reconstruction = shader_.reconstruction();
-    const float weight = waiting.step == 0 ? reconstruction.bright_patches().weight(task.pdf_w, task.target, ray.origin, first) : 1.0f;
+    const float weight = task.pdf_w > 0 ? reconstruction.bright_patches().weight(task.pdf_w, task.target, ray.origin, first) : 1.0f;
     if (!(weight > 0)) return false;
     EyeStream stream(task.stream, task.number);
     Rgb& sum = pass_[task.pixel][task.layer];
@@ -110,10 +111,30 @@ bool GatherRays::use(const Waiting& waiting, Ray ray, const Hit& first) {
         sum += throughput * x.material->diffuse * reconstruction.total_irradiance(at) * kInvPi;
         return false;
     }
-    sum += throughput * x.material->diffuse * reconstruction.irradiance(at).value * kInvPi;
     if (shader_.direct_light()) shadows_.add(task.pixel, task.layer, shader_.lamps(x, wo, stream), throughput);
-    if (x.material->is_glossy() && waiting.step + 1 < kLobes) follow_lobe(waiting, x, wo, throughput, stream);
+    const bool follows = waiting.step + 1 < kLobes,
+               is_close = follows && shader_.direct_light() && dot(way, way) < sqr(kClose) * scene_.patch_area(at.patch);
+    if (!is_close) sum += throughput * x.material->diffuse * reconstruction.irradiance(at).value * kInvPi;
+    // One ray leads to one more at the most.
+    const float to_lobe = !x.material->is_glossy() ? 0.0f : is_close ? 0.5f : 1.0f;
+    if (follows && to_lobe > 0 && (to_lobe == 1 || stream.next_one() < to_lobe))
+        follow_lobe(waiting, x, wo, throughput / to_lobe, stream);
+    else if (is_close)
+        follow_diffuse(waiting, x, throughput / (1 - to_lobe), std::sqrt(scene_.patch_area(at.patch)), stream);
     return near;
+}
+
+void GatherRays::follow_diffuse(const Waiting& waiting, const Surface& x, Rgb throughput, float size, EyeStream& stream) {
+    const float survive = std::min(1.0f, max_component(x.material->diffuse));
+    if (!(stream.next_one() < survive)) return;
+    Waiting next{waiting.task, waiting.step + 1};
+    const Vec3 wi = shader_.draw_diffuse(x, stream, next.task.target);
+    next.task.pdf_w = EyeShader::pdf_cosine(x, wi);
+    if (!(next.task.pdf_w > 0) || !(dot(x.normal, wi) > 0)) return;
+    next.task.throughput = throughput * x.material->diffuse * (1 / survive);
+    next.task.stream = key(waiting.task.stream, next.step);
+    next.task.coarse = true, next.task.size = size;
+    push({x.off(scene_.epsilon()), wi}, next);
 }
 
 void GatherRays::follow_lobe(const Waiting& waiting, const Surface& x, Vec3 wo, Rgb throughput, EyeStream& stream) {
@@ -126,6 +147,7 @@ void GatherRays::follow_lobe(const Waiting& waiting, const Surface& x, Vec3 wo, 
     Waiting next{waiting.task, waiting.step + 1};
     next.task.throughput = throughput * scatter * (1 / survive);
     next.task.stream = key(waiting.task.stream, next.step);
+    next.task.pdf_w = 0, next.task.target.reset();
     const Ray ray{x.off(scene_.epsilon()), draw.wi};
 
     // A lamp that it meets at once could have been sampled from x as well.

@@ -22,8 +22,9 @@ struct GatherTask {
     std::optional<BrightPatches::Target> target{};  ///< if the ray is sent to a bright patch instead
 };
 
-/// Gathers radiance along rays, but what their first surface emits: diffuse from the patches, lamps sampled, specular lobes followed. Rays
-/// wait until there are many.
+/// Gathers radiance along rays, but what their first surface emits: diffuse from the patches, lamps sampled, specular lobes followed. Where
+/// a ray meets a patch right beside where it started, the light of that is as uncertain, and one more ray follows. Rays wait until there
+/// are many.
 class GatherRays {
 public:
     /// `pass`: an entry for every pixel.
@@ -66,6 +67,7 @@ private:
     void use_pair(const Block& block, uint32_t first, const HitBlock& hits);
     /// What a ray that met something near counts in the share of these: those that were sent elsewhere do not.
     float near_of(const GatherTask& task) const;
+    void follow_diffuse(const Waiting& waiting, const Surface& x, Rgb throughput, float size, EyeStream& stream);
     void follow_lobe(const Waiting& waiting, const Surface& x, Vec3 wo, Rgb throughput, EyeStream& stream);
     /// Can no light reach what was hit, so that the ray came from under a cover?
     bool is_covered(const Hit& hit) const;

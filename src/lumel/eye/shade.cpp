@@ -69,7 +69,10 @@ LampLight EyeShader::lamp_along(const Surface& x, Vec3 wo, const Ray& ray, const
     return {ray.origin, y + scene_.geometric_normal(hit.triangle) * scene_.epsilon(), scatter * scene_.emission(hit.triangle) * share};
 }
 
-Vec3 EyeShader::draw_cosine(const Surface& x, Square s) { return Frame(x.shading).to_world(square_to_cosine_hemisphere(s)); }
+Vec3 EyeShader::draw_diffuse(const Surface& x, EyeStream& stream, std::optional<BrightPatches::Target>& target) const {
+    target = reconstruction_.bright_patches().draw(stream);
+    return target ? normalize(target->x - x.x) : Frame(x.shading).to_world(square_to_cosine_hemisphere(stream.next()));
+}
 
 std::optional<Surface> EyeShader::draw_source(const Surface& x, const Lattice::Stencil& at, bool back, EyeStream& stream) const {
     const Square choice = stream.next();

@@ -42,8 +42,9 @@ public:
     /// which could have drawn it (balance heuristic). `scatter`: w_s / pdf_w.
     LampLight lamp_along(const Surface& x, Vec3 wo, const Ray& ray, const Hit& hit, Rgb scatter, float pdf_w) const;
 
-    /// A direction with density cos/pi around the shading normal.
-    static Vec3 draw_cosine(const Surface& x, Square s);
+    /// The direction of a gathering ray of diffuse light: to a bright patch, its target, or with density `pdf_cosine`.
+    Vec3 draw_diffuse(const Surface& x, EyeStream& stream, std::optional<BrightPatches::Target>& target) const;
+    /// Density cos/pi around the shading normal, 1/sr.
     static float pdf_cosine(const Surface& x, Vec3 wi) { return std::max(0.0f, dot(x.shading, wi)) * kInvPi; }
     /// A point of the patches that the light at x, which is looked up at `at` on that face, is reconstructed from.
     std::optional<Surface> draw_source(const Surface& x, const Lattice::Stencil& at, bool back, EyeStream& stream) const;
