@@ -84,7 +84,7 @@ void EyeRays::see_diffuse(const View& view, EyeStream& stream) {
         task.stream = key(task.stream, kUnknownDiffuse);
         const Vec3 wi = shader_.draw_diffuse(x, stream, task.target);
         task.pdf_w = EyeShader::pdf_cosine(x, wi);
-        if (dot(x.normal, wi) > 0) gathers_.add({x.off(scene_.epsilon()), wi}, task);
+        if (dot(x.normal, wi) > 0 && task.pdf_w > 0) gathers_.add({x.off(scene_.epsilon()), wi}, task);
         return;
     }
     pixel.sum.indirect_diffuse += throughput * irradiance.value * kInvPi;

@@ -24,9 +24,10 @@ void GatherRays::push(const Ray& ray, const Waiting& waiting) {
 
 void GatherRays::push_above(const Surface& x, Vec3 wi, const Waiting& waiting) {
     push({x.off(scene_.epsilon()), wi}, waiting);
-    filling().tasks.back().task.pdf_w = EyeShader::pdf_cosine(x, wi);
+    float& pdf_w = filling().tasks.back().task.pdf_w;
+    pdf_w = EyeShader::pdf_cosine(x, wi);
     RayBlock& rays = filling().rays;
-    if (!(dot(x.normal, wi) > 0)) rays.traced[rays.size - 1] = 0;
+    if (!(dot(x.normal, wi) > 0) || !(pdf_w > 0)) rays.traced[rays.size - 1] = 0;
 }
 
 void GatherRays::add_pair(const Surface& x, const Hit& hit, const Lattice::Stencil& at, Vec3 wi, Rgb known, const GatherTask& task) {
@@ -81,7 +82,7 @@ void GatherRays::use_pair(const Block& block, uint32_t first, const HitBlock& hi
             if (!y) return;
             other = {y->off(scene_.epsilon()), way_of_other(here.task, block.rays.direction[first], x, *y)};
             there.task.pdf_w = EyeShader::pdf_cosine(*y, other.direction);
-            met = dot(y->normal, other.direction) > 0 ? shader_.accel().intersect(other) : Hit{};
+            met = dot(y->normal, other.direction) > 0 && there.task.pdf_w > 0 ? shader_.accel().intersect(other) : Hit{};
         }
         if (is_covered(met)) return;
     }
