@@ -118,6 +118,7 @@ std::vector<GlossChoice> choose_gloss(const Film& film) {
     Errors errors;
     for (const Errors& row : rows) errors += row;
     std::vector<GlossChoice> choices;
+    choices.reserve(errors.gloss.size());
     for (const Gloss& gloss : errors.gloss) choices.push_back(errors.choice(gloss));
     return choices;
 }
