@@ -7,22 +7,23 @@ namespace lumel {
 
 namespace {
 
-constexpr double kBright = 4;       // mean radiosities
-constexpr double kMostShare = 0.5;
-constexpr double kLeast = 0.25;  // share in all light below which they are not worth a ray
+constexpr double kBright = 4;     // mean radiosities
+constexpr double kOfLight = 0.5;  // share of the rays, of that in all light
+constexpr double kLeast = 0.25;   // share in all light below which they are not worth a ray
 
 }  // namespace
 
 void BrightPatches::choose(const std::vector<float>& radiosity) {
     const auto area = [&](uint32_t side) { return double{scene_->patch_area(scene_->patch_of_side(side))}; };
+    const auto power_of = [&](uint32_t side) { return area(side) * double{radiosity[side]}; };
     double lit = 0, power = 0, bright = 0;
     for (uint32_t side = 0; side < radiosity.size(); ++side)
-        if (radiosity[side] > 0) lit += area(side), power += area(side) * double{radiosity[side]};
+        if (radiosity[side] > 0) lit += area(side), power += power_of(side);
     for (uint32_t side = 0; side < radiosity.size(); ++side)
-        if (double{radiosity[side]} * lit > kBright * power) sides_.push_back(side), bright += area(side) * double{radiosity[side]};
+        if (double{radiosity[side]} * lit > kBright * power) sides_.push_back(side), bright += power_of(side);
     if (!(bright > kLeast * power)) return;
-    share_ = static_cast<float>(kMostShare * bright / power);
-    power_ = Distribution(static_cast<uint32_t>(sides_.size()), [&](uint32_t i) { return area(sides_[i]) * double{radiosity[sides_[i]]}; });
+    share_ = static_cast<float>(kOfLight * bright / power);
+    power_ = Distribution(static_cast<uint32_t>(sides_.size()), [&](uint32_t i) { return power_of(sides_[i]); });
     pdf_area_.resize(radiosity.size());
     for (uint32_t i = 0; i < sides_.size(); ++i) pdf_area_[sides_[i]] = static_cast<float>(power_.probability(i) / area(sides_[i]));
 }
@@ -39,7 +40,7 @@ std::optional<BrightPatches::Target> BrightPatches::draw(EyeStream& stream) cons
 float BrightPatches::weight(float pdf_w, const std::optional<Target>& target, Vec3 origin, const Hit& hit) const {
     if (!(share_ > 0)) return 1;
     const uint32_t side = scene_->side_of(hit.point(), hit.back);
-    if ((target && side != target->side) || !(pdf_w > 0)) return 0;
+    if (target && side != target->side) return 0;
     float sent = 0;
     if (pdf_area_[side] > 0) {
         const Vec3 way = scene_->position(hit.point()) - origin;

@@ -34,7 +34,8 @@ public:
     };
     /// Draw a target, or, for the rest of the rays, nothing.
     std::optional<Target> draw(EyeStream& stream) const;
-    /// What a ray from `origin` counts that met `hit`: `pdf_w` is the density of its lobe, 1/sr, and `target` where it was sent, if it was.
+    /// What a ray from `origin` counts that met `hit`: `pdf_w` > 0 is the density of its lobe, 1/sr, and `target` where it was sent, if it
+    /// was.
     float weight(float pdf_w, const std::optional<Target>& target, Vec3 origin, const Hit& hit) const;
 
 private:

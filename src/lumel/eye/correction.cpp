@@ -203,16 +203,10 @@ public:
         : film_(film),
           alike_(alike),
           all_(differences(film, difference)),
-          noises_(sums([](const Difference& d) { return d.stderr_; })),
-          lights_(sums([](const Difference& d) { return std::abs(d.light); })),
-          samples_(sums([](const Difference& d) { return d.samples; })),
-          near_(sums([](const Difference& d) { return d.near > 0 ? 1.0f : 0.0f; })) {}
+          noises_(film.width, film.height, [&](size_t pixel) { return double{all_[pixel].stderr_}; }),
+          lights_(film.width, film.height, [&](size_t pixel) { return double{std::abs(all_[pixel].light)}; }) {}
 
     const Difference& operator[](size_t pixel) const { return all_[pixel]; }
-    /// Gathering samples of a pixel and those around,
-    double samples_around(int x, int y) const { return samples_.around(x, y, kReach); }
-    /// and whether any met something near.
-    bool is_near(int x, int y) const { return near_.around(x, y, kReach) > 0; }
     /// The correction of a pixel.
     Part at(int x, int y) const {
         const size_t pixel = pixel_at(film_, x, y);
@@ -236,16 +230,11 @@ private:
         });
         return all;
     }
-    template <class Value>
-    AreaSums sums(const Value& value) const {
-        return {film_.width, film_.height, [&](size_t pixel) { return double{value(all_[pixel])}; }};
-    }
 
     const Film& film_;
     const Likeness& alike_;
     std::vector<Difference> all_;
     AreaSums noises_, lights_;  // roots of the variances of the differences, and the light
-    AreaSums samples_, near_;
 };
 
 Differences diffuse_differences(const Film& film, const Likeness& alike) {
@@ -277,6 +266,8 @@ uint32_t best_stride(const Film& film, size_t pixel, float of_ray) {
 void correct(Film& film, bool gloss) {
     const Likeness alike(film);
     const Differences diffuse = diffuse_differences(film, alike), specular = specular_differences(film, alike);
+    const AreaSums samples(film.width, film.height, [&](size_t pixel) { return double{diffuse[pixel].samples}; });
+    const AreaSums nears(film.width, film.height, [&](size_t pixel) { return diffuse[pixel].near > 0 || specular[pixel].near > 0; });
     const std::vector<GlossChoice> choices = gloss ? choose_gloss(film) : std::vector<GlossChoice>{};
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
@@ -286,8 +277,8 @@ void correct(Film& film, bool gloss) {
             const uint32_t material = film.material[pixel];
             const GlossChoice choice = material < choices.size() ? choices[material] : GlossChoice{};
             correction.gloss = choice.gather;
-            const bool near = diffuse.is_near(x, y) || specular.is_near(x, y);
-            if (!near && diffuse.samples_around(x, y) > kProbed) correction.stride = Correction::kSeldom;
+            const bool near = nears.around(x, y, kReach) > 0;
+            if (!near && samples.around(x, y, kReach) > double{kProbed}) correction.stride = Correction::kSeldom;
             if (!near && !(choice.share > 0)) continue;
             // A share of all gloss is that of rays; where something is near, the rest is mended as diffuse light is.
             const Difference &own_d = diffuse[pixel], &own_s = specular[pixel];

@@ -116,12 +116,13 @@ bool GatherRays::use(const Waiting& waiting, Ray ray, const Hit& first) {
     const bool follows = waiting.step + 1 < kLobes,
                is_close = follows && shader_.direct_light() && dot(way, way) < sqr(kClose) * scene_.patch_area(at.patch);
     if (!is_close) sum += throughput * x.material->diffuse * reconstruction.irradiance(at).value * kInvPi;
-    // One ray leads to one more at the most.
-    const float to_lobe = !x.material->is_glossy() ? 0.0f : is_close ? 0.5f : 1.0f;
-    if (follows && to_lobe > 0 && (to_lobe == 1 || stream.next_one() < to_lobe))
-        follow_lobe(waiting, x, wo, throughput / to_lobe, stream);
-    else if (is_close)
-        follow_diffuse(waiting, x, throughput / (1 - to_lobe), std::sqrt(scene_.patch_area(at.patch)), stream);
+    // One ray leads to one more at the most, where both could follow to either.
+    const bool is_glossy = x.material->is_glossy(), either = is_close && is_glossy;
+    const Rgb onward = either ? throughput * 2 : throughput;
+    if (is_close && !(either && stream.next_one() < 0.5f))
+        follow_diffuse(waiting, x, onward, std::sqrt(scene_.patch_area(at.patch)), stream);
+    else if (follows && is_glossy)
+        follow_lobe(waiting, x, wo, onward, stream);
     return near;
 }
 

@@ -18,7 +18,8 @@ struct GatherTask {
     float size = 0;      ///< of the patch that the ray left, m, longer for narrow lobes
     uint64_t stream = 0; ///< key of its random numbers, of which it takes those of `number`
     uint32_t number = 0;
-    float pdf_w = 0;     ///< 1/sr: density of the ray in its lobe, which the throughput is divided by; 0: it cannot be sent
+    float pdf_w =
+        0;  ///< 1/sr: density of the ray in its lobe, which the throughput is divided by; 0: none of its kind is sent to bright patches
     std::optional<BrightPatches::Target> target{};  ///< if the ray is sent to a bright patch instead
 };
 
