@@ -293,8 +293,87 @@ def plaza() -> Writer:
     return w
 
 
+def orchard() -> Writer:
+    """Two hundred small balls on an open plain under one large lamp: many triangles, nearly all light direct."""
+    w, white, red, gloss = start()
+    w.shape("rectangle", white, (0, 0, 0), (6, 6, 1), (-90, 0))
+    for i in range(16):
+        for j in range(12):
+            radius = 0.1 + 0.01 * ((7 * i + 5 * j) % 8)
+            w.ball((white, red, gloss)[(i + j) % 3], (-3.4 + 0.45 * i, radius, -3.2 + 0.45 * j), radius)
+    w.lamp((1, 5, 1), (1.5, 1.5), (16, 15, 13), (95, 10))
+    w.camera((0.3, 2.2, 4.5), (0, 0.2, -0.6), 60)
+    return w
+
+
+def shelf() -> Writer:
+    """A shelf of narrow boards with balls and boxes on them, lit from the side; gloss of alpha 0.1."""
+    w, white, red, _ = start()
+    lacquer = w.gloss("lacquer", (0.35, 0.3, 0.25), 0.1, 0.5)
+    w.room((1.4, 2.2, 1.4), (white, white, white, red, white, white))
+    for i in range(5):
+        w.shape("cube", lacquer, (0, 0.2 + 0.42 * i, -1.2), (0.9, 0.015, 0.2))
+        for j in range(5):
+            if (i + j) % 2:
+                w.ball((red, lacquer)[j % 2], (-0.7 + 0.35 * j, 0.315 + 0.42 * i, -1.15), 0.1)
+            else:
+                w.shape("cube", white, (-0.7 + 0.35 * j, 0.315 + 0.42 * i, -1.2), (0.06, 0.1, 0.06), (0, 17 * j))
+    for x in (-0.92, 0.92):
+        w.shape("cube", lacquer, (x, 1.0, -1.2), (0.015, 1.0, 0.2))
+    w.lamp((-1.38, 1.4, 0.4), (0.4, 0.4), (12, 11, 10), (0, 90))
+    w.camera((0.4, 1.2, 1.3), (0, 0.95, -1.2))
+    return w
+
+
+def arcade() -> Writer:
+    """Columns before an open side, light from without: the hall is lit by the floor alone."""
+    w, white, red, gloss = start()
+    w.room((3, 2.6, 1.6), (gloss, white, red, white, white, None))
+    w.shape("rectangle", white, (0, -0.01, 4), (5, 3, 1), (-90, 0))
+    for i in range(7):
+        w.column(white, (-2.7 + 0.9 * i, 0, 1.4), 2.6, 0.12)
+    w.shape("cube", red, (-1, 0.3, -0.6), (0.4, 0.3, 0.2), (0, 12))
+    w.ball(gloss, (0.6, 0.35, -0.4), 0.35)
+    w.lamp((1, 7, 7), (0.8, 0.8), (110, 105, 90), (130, 0))
+    w.camera((2.4, 1.5, 1.1), (-0.8, 0.9, -0.9), 75)
+    return w
+
+
+def ceiling() -> Writer:
+    """A luminous ceiling of panels: large lamps, soft light everywhere."""
+    w, white, red, gloss = start()
+    w.room((2, 2.4, 2), (gloss, white, red, white, white, white))
+    for i in range(4):
+        for j in range(4):
+            w.lamp((-1.5 + i, 2.38, -1.5 + j), (0.4, 0.4), (2.2, 2.1, 2.0))
+    for i in range(4):
+        w.shape("cube", (white, red)[i % 2], (-1.2 + 0.8 * i, 0.37, -0.6 + 0.3 * (i % 3)), (0.3, 0.02, 0.2), (0, 11 * i))
+        w.column(white, (-1.2 + 0.8 * i, 0, -0.6 + 0.3 * (i % 3)), 0.36, 0.03)
+    w.ball(gloss, (0.3, 0.3, 0.7), 0.3)
+    w.camera((-0.9, 1.3, 1.9), (0.2, 0.6, -0.6))
+    return w
+
+
 SCENES: dict[str, Callable[[], Writer]] = {
-    f.__name__: f for f in (lamps, indirect, corridor, screens, porch, sharp, bulbs, hall, veranda, mirrors, table, plaza)
+    f.__name__: f
+    for f in (
+        lamps,
+        indirect,
+        corridor,
+        screens,
+        porch,
+        sharp,
+        bulbs,
+        hall,
+        veranda,
+        mirrors,
+        table,
+        plaza,
+        orchard,
+        shelf,
+        arcade,
+        ceiling,
+    )
 }
 
 
