@@ -4,8 +4,10 @@
 #include <numbers>
 
 #include "lumel/eye/bright_patches.h"
+#include "lumel/eye/gather_rays.h"
 #include "lumel/eye/lobe_draw.h"
 #include "lumel/sampling/warp.h"
+#include "lumel/solver/session.h"
 #include "scenes.h"
 #include "stats.h"
 
@@ -99,6 +101,55 @@ TEST(BrightPatches, are_found_along_lobes_as_by_lobes_alone) {
         for (const auto& [a, b] : {std::pair(sent.spot, any.spot), std::pair(sent.rest, any.rest)})
             EXPECT_LT(std::abs(a.value - b.value), 4 * std::hypot(a.error, b.error)) << alpha;
     }
+}
+
+TEST(BrightPatches, are_found_over_gloss_as_by_lobes_alone) {
+    // A lamp that shines on the ceiling right over it, and a glossy plate on the floor that a gathering ray meets.
+    SceneBuilder b;
+    b.shape(b.material(matt(0.5f))).box({0, 0, 0}, {1, 1, 1}, true);
+    b.shape(b.material(glossy(grey(0.02f), grey(0.95f), 0.4f))).quad({0.2f, 0.2f, 0.02f}, {0.3f, 0, 0}, {0, 0.3f, 0});
+    b.shape(b.material(matt(0)), grey(1000)).quad({0.8f, 0.5f, 0.97f}, {0.04f, 0, 0}, {0, 0.04f, 0});
+    Session session(b.build(3000), {}, {.solver = {.seed = 5}});
+    session.solver().begin_replica(200000);
+    session.solver().step(200000);
+    session.solver().end_replica();
+    session.reconstruct();
+    const Reconstruction& reconstruction = session.reconstruction();
+    ASSERT_GT(reconstruction.bright_patches().share(), 0.05f);
+
+    const Scene& scene = session.scene();
+    const EyeShader shader(session.accel(), reconstruction, true);
+    const Ray ray{{0.3f, 0.1f, 0.7f}, normalize(Vec3{0.05f, 0.2f, -0.68f})};
+    const Hit plate = session.accel().intersect(ray);
+    const Surface x(scene, plate.point(), plate.back);
+    ASSERT_TRUE(x.material->is_glossy());
+    const Rgb diffuse = x.material->diffuse * reconstruction.irradiance(reconstruction.stencil(plate.point(), plate.back)).value * kInvPi;
+
+    std::vector<PixelPass> pass(kBatches);
+    ShadowRays shadows(session.accel(), pass);
+    GatherRays gathers(shader, shadows, pass);
+    std::vector<double> sent, alone;
+    for (uint32_t batch = 0; batch < kBatches; ++batch) {
+        double sum = 0;
+        for (uint32_t i = 0; i < kRays; ++i) {
+            gathers.add(ray, {batch, Layer::kIndirectSpecular, grey(1), true, 0, key(3, batch), i});
+            EyeStream stream(key(4, batch), i);
+            const LobeDraw lobe(x.shading, -ray.direction, x.material->alpha, stream.next());
+            if (!(lobe.pdf_w > 0) || !(dot(x.normal, lobe.wi) > 0)) continue;
+            const Hit y = session.accel().intersect({x.off(scene.epsilon()), lobe.wi});
+            const Rgb albedo = scene.material(y.triangle).diffuse,
+                      light = albedo * reconstruction.total_irradiance(reconstruction.stencil(y.point(), y.back)) * kInvPi;
+            sum += double{lum(lobe.scatter(*x.material) * light)};
+        }
+        alone.push_back(double{lum(diffuse)} + sum / kRays);
+    }
+    gathers.finish();
+    shadows.cast();
+    for (const PixelPass& p : pass) sent.push_back(double{lum(p.sum.indirect_specular)} / kRays);
+    const Mean of_sent = mean_of(sent), of_lobes = mean_of(alone);
+    EXPECT_LT(std::abs(of_sent.value - of_lobes.value), 4 * std::hypot(of_sent.error, of_lobes.error))
+        << of_sent.value << " " << of_lobes.value;
+    EXPECT_LT(of_sent.error, 0.6 * of_lobes.error);
 }
 
 TEST(BrightPatches, are_none_where_light_is_spread) {

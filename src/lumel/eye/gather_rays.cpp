@@ -140,22 +140,32 @@ void GatherRays::follow_diffuse(const Waiting& waiting, const Surface& x, Rgb th
 }
 
 void GatherRays::follow_lobe(const Waiting& waiting, const Surface& x, Vec3 wo, Rgb throughput, EyeStream& stream) {
-    // Follow one sample of the specular lobe; roulette ends it by its albedo.
-    const LobeDraw draw(x.shading, wo, x.material->alpha, stream.next());
-    if (!(draw.pdf_w > 0) || !(dot(x.normal, draw.wi) > 0)) return;
-    const Rgb scatter = draw.scatter(*x.material);
-    const float survive = std::min(1.0f, max_component(scatter));
-    if (!(stream.next_one() < survive)) return;
+    // Follow one sample of the specular lobe, or one to a bright patch instead; roulette ends it by its albedo.
+    LobeDraw draw(x.shading, wo, x.material->alpha, stream.next());
+    const float survives = stream.next_one();
     Waiting next{waiting.task, waiting.step + 1};
-    next.task.throughput = throughput * scatter * (1 / survive);
     next.task.stream = key(waiting.task.stream, next.step);
-    next.task.pdf_w = 0, next.task.target.reset();
-    const Ray ray{x.off(scene_.epsilon()), draw.wi};
-
-    // A lamp that it meets at once could have been sampled from x as well.
-    const LampLight light = shader_.lamp_along(x, wo, ray, shader_.accel().intersect_lamps(ray), {1, 1, 1}, draw.pdf_w);
-    shadows_.add(next.task.pixel, next.task.layer, light, next.task.throughput);
-    push(ray, next);
+    next.task.target = shader_.reconstruction().bright_patches().draw(stream);
+    const auto leads = [&] { return draw.pdf_w > 0 && dot(x.normal, draw.wi) > 0; };
+    // The throughput of the lobe if it goes on along the draw.
+    const auto onward = [&] {
+        const Rgb scatter = draw.scatter(*x.material);
+        const float survive = std::min(1.0f, max_component(scatter));
+        return survives < survive ? throughput * scatter * (1 / survive) : Rgb{};
+    };
+    if (leads()) {
+        // A lamp that it meets at once could have been sampled from x as well.
+        next.task.throughput = onward();
+        const Ray ray{x.off(scene_.epsilon()), draw.wi};
+        if (max_component(next.task.throughput) > 0) {
+            const LampLight light = shader_.lamp_along(x, wo, ray, shader_.accel().intersect_lamps(ray), {1, 1, 1}, draw.pdf_w);
+            shadows_.add(next.task.pixel, next.task.layer, light, next.task.throughput);
+        }
+    }
+    if (next.task.target) draw = LobeDraw::along(normalize(next.task.target->x - x.x), x.shading, wo, x.material->alpha);
+    if (!leads()) return;
+    next.task.throughput = onward(), next.task.pdf_w = draw.pdf_w;
+    if (max_component(next.task.throughput) > 0) push({x.off(scene_.epsilon()), draw.wi}, next);
 }
 
 }  // namespace lumel
