@@ -7,8 +7,11 @@
 #include <span>
 
 #include "lumel/eye/area_sums.h"
+#include "lumel/eye/around.h"
+#include "lumel/eye/difference.h"
 #include "lumel/eye/gloss_choice.h"
 #include "lumel/eye/likeness.h"
+#include "lumel/eye/rare_light.h"
 
 namespace lumel {
 
@@ -21,53 +24,13 @@ constexpr float kEnough = 6;  // gathering samples a pixel: with fewer, less is 
 constexpr uint32_t kEager = 2;  // stride until then, where something is near
 constexpr float kProbed = 32;  // gathering samples around that met nothing near: hardly any will
 constexpr float kMostBeyond = 2.5f;  // root mean squares that a pixel may differ from those around: rare bright rays differ by more,
-constexpr float kSure = 2.5f;        // but not by so many standard errors
 constexpr float kMostOfNoise = 3;   // standard errors of others that gathering may find anywhere, but
-constexpr float kPassesToBeSure = 2.5f;  // a few passes may agree by chance
 constexpr float kMostMissing = 0.15f; // of the light that is known, that second rays may not find; twice that, and pairs count as such
 constexpr float kCost = 2;       // of what gathers, a pair of rays, in eye samples without
 constexpr float kChance = 1;     // standard errors that chance may explain,
-constexpr float kMostChance = 2; // and of what neighbours have in common
-
-/// lum of a variance, as if its channels were one.
-float noise(Rgb variance) { return sqr(lum(square_root(variance))); }
-
-/// One kind of indirect light at a pixel: the mean excess, the variance of that mean, the light itself, how much is near.
-struct Difference {
-    Rgb mean, variance;
-    float stderr_ = 0;  ///< lum
-    float light = 0, near = 0, samples = 0;
-    float passes = 0;  ///< 0: fewer than two, nothing is known
-
-    void set_variance(Rgb v) { variance = v, stderr_ = std::sqrt(noise(v)); }
-    /// Make it no larger than `most`, but where it came again and again.
-    void limit(float most) {
-        const float size = std::abs(lum(mean));
-        if (!(size > most) || (passes >= kPassesToBeSure && size > kSure * stderr_)) return;
-        const float less = most / size;
-        mean *= less, variance *= sqr(less), stderr_ *= less;
-    }
-};
-
-Difference difference(const Gathered& gathered, float light) {
-    const PassMoments& excess = gathered.excess;
-    Difference d{.light = light, .near = gathered.near / std::max(1.0f, excess.count()), .samples = excess.count()};
-    if (!excess.has_spread()) return d;
-    d.mean = excess.mean(), d.passes = excess.passes();
-    d.set_variance(excess.variance());
-    return d;
-}
-
-/// The same of pairs in which the second ray counts by the share `paired`, and the light that is known by the rest.
-Difference difference(const GatheredPairs& gathered, float paired, float light) {
-    Difference d = difference(gathered, light);
-    if (!(d.passes > 0)) return d;
-    const float alone = 1 - paired;
-    d.mean = d.mean * paired + gathered.alone.mean() * alone;
-    const Rgb v = d.variance * paired + gathered.alone.variance() * alone + gathered.others.variance() * (-paired * alone);
-    d.set_variance({std::max(0.0f, v.x), std::max(0.0f, v.y), std::max(0.0f, v.z)});
-    return d;
-}
+constexpr float kMostChance = 2; // and of what neighbours have in common,
+constexpr float kMostAlone = 2.5f; // and of what the pixels around one agree on, if those further on do not
+constexpr float kApart = 0.3f; // of the pixels around, those whose neighbourhoods count as different ones
 
 /// Share of a difference that is worth adding, of which `real` is the square of what is not noise.
 float share(float real, float variance) { return real > 0 ? real / (real + variance) : 0.0f; }
@@ -106,14 +69,14 @@ struct Around {
         for (auto& d : at)
             if (d) d->limit(most);
     }
-    /// Square of the mean without noise, which makes `variance` of it: from what every other pixel and the pixels between them agree on.
-    float square_of_mean(float variance, uint32_t passes) const {
+    /// Square of the mean, to which noise adds nothing: from what every other pixel and the pixels between them agree on. Nothing if one of
+    /// these has no pixel.
+    std::optional<float> square_of_mean() const {
         std::array<float, 2> sum{}, count{};
         for (size_t i = 0; i < at.size(); ++i)
             if (at[i]) sum[i % 2] += lum(at[i]->mean), ++count[i % 2];
-        if (!(count[0] > 0) || !(count[1] > 0)) return without_noise(sqr((sum[0] + sum[1]) / (count[0] + count[1])), variance, passes);
-        // Each half has twice the variance, and so has the product of two of them for its standard error.
-        return sum[0] / count[0] * (sum[1] / count[1]) - 2 * kChance * variance;
+        if (!(count[0] > 0) || !(count[1] > 0)) return {};
+        return sum[0] / count[0] * (sum[1] / count[1]);
     }
     /// The larger of the mean products of what neighbours in a row, and in a column, have beyond `mean`; without the pixel itself. Noise is
     /// independent from pixel to pixel, so only what is truly there remains. Gives its standard error as well, for noise of variance
@@ -133,9 +96,24 @@ struct Around {
     }
 };
 
+/// Squares of the means around a pixel, and summed over the pixels like it that are around it.
+struct Agreed {
+    std::optional<float> here;
+    float sum = 0, count = 0;
+
+    /// What is no noise in the square of the mean around a pixel, if that has `variance`. Means in a row of neighbourhoods share most of
+    /// their pixels, but one that is far from 0 by chance stands among others that are not.
+    std::optional<float> without_noise(float variance) const {
+        if (!here) return {};
+        // Each half has twice the variance, and so has the product of two of them for its standard error.
+        const float error = 2 * variance;
+        return std::max(*here - kMostAlone * error, sum / count - kChance * error / std::sqrt(count * kApart));
+    }
+};
+
 /// The correction of a pixel from its own difference and those of the pixels like it. `usual`: variance of differences over the square of
 /// the light, in a wider neighbourhood: rare bright rays may have missed a small one.
-Part part(const Around& around, float usual, uint32_t passes) {
+Part part(const Around& around, float usual, uint32_t passes, const Agreed& agreed) {
     const Difference& own = *around.at[Around::kOwn];
     float count = 0;
     Rgb mean, variance;
@@ -154,25 +132,16 @@ Part part(const Around& around, float usual, uint32_t passes) {
     const float trust = std::min(1.0f, near / kNear - 1) * std::min(1.0f, samples / kEnough),
                 of_one = std::max(noise(variance), usual * light), own_noise = std::max(sqr(own.stderr_), of_one);
     const float size = std::abs(lum(differs)), usual_size = kMostBeyond * std::sqrt(beyond);
-    const bool is_sure = own.passes >= kPassesToBeSure && sqr(size) > sqr(kSure) * own_noise;
+    const bool is_sure = own.is_sure(size, std::sqrt(own_noise));
     const auto [common, error] = around.common(mean_of_others, of_one);
     const float real = common - kMostChance * error, limit = is_sure || size <= usual_size ? 1.0f : usual_size / size;
     const float single = trust * limit *
                          (is_sure ? share(without_noise(sqr(size), own_noise, passes), own_noise)
                                   : share(real, std::max(of_one, beyond - real)));
     // Where the difference from the mean is added, the mean must be as well.
-    const float smooth = std::max(trust * share(around.square_of_mean(of_one / count, passes), of_one / count), single);
+    const float of_mean = of_one / count, square = agreed.without_noise(of_mean).value_or(without_noise(sqr(lum(mean)), of_mean, passes));
+    const float smooth = std::max(trust * share(square, of_mean), single);
     return {mean * smooth + differs * single, variance * (sqr(smooth) / count + sqr(single)), smooth};
-}
-
-size_t pixel_at(const Film& film, int x, int y) { return size_t{film.width} * static_cast<size_t>(y) + static_cast<size_t>(x); }
-
-/// Visit a pixel and those around.
-template <class Body>
-void for_each_around(const Film& film, int x, int y, const Body& body) {
-    for (int j = y - kReach; j <= y + kReach; ++j)
-        for (int i = x - kReach; i <= x + kReach; ++i)
-            if (i >= 0 && j >= 0 && i < static_cast<int>(film.width) && j < static_cast<int>(film.height)) body(pixel_at(film, i, j), i, j);
 }
 
 /// The share of the second rays of pairs that leaves the least noise around a pixel. These tell what the first ones find by chance, but at
@@ -182,7 +151,7 @@ float best_paired(const Film& film, const Likeness& alike, int x, int y) {
     const size_t pixel = pixel_at(film, x, y);
     if (!(film.diffuse[pixel].near > 0)) return 1;
     float common = 0, others = 0, missing = 0, light = 0;
-    for_each_around(film, x, y, [&](size_t other, int, int) {
+    for_each_around(film, x, y, kReach, [&](size_t other, int, int) {
         const GatheredPairs& g = film.diffuse[other];
         if (!g.excess.has_spread() || !alike(pixel, other)) return;
         const float noise = lum(g.others.variance());
@@ -194,63 +163,86 @@ float best_paired(const Film& film, const Likeness& alike, int x, int y) {
     return others > 0 && trust > 0 ? 1 - trust * (1 - std::clamp(common / others, 0.0f, 1.0f)) : 1.0f;
 }
 
-/// The differences of one kind of light in all pixels.
-class Differences {
+/// `difference(x, y)` of every pixel.
+template <class Of>
+std::vector<Difference> differences(const Film& film, const Of& difference) {
+    std::vector<Difference> all(film.pixels());
+    tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
+        for (int x = 0; x < static_cast<int>(film.width); ++x) all[pixel_at(film, x, y)] = difference(x, y);
+    });
+    return all;
+}
+
+std::vector<Difference> diffuse_differences(const Film& film, const Likeness& alike) {
+    return differences(film, [&](int x, int y) {
+        const size_t pixel = pixel_at(film, x, y);
+        return difference(film.diffuse[pixel], best_paired(film, alike, x, y), lum(film.sum[pixel].indirect_diffuse) / film.samples(pixel));
+    });
+}
+
+std::vector<Difference> specular_differences(const Film& film, const Likeness& alike) {
+    std::vector<Difference> all = differences(film, [&](int x, int y) {
+        const size_t pixel = pixel_at(film, x, y);
+        return difference(film.specular[pixel], lum(film.sum[pixel].indirect_specular) / film.samples(pixel));
+    });
+    share_rare(film, alike, all);
+    return all;
+}
+
+/// Corrections of one kind of light from the differences of all pixels.
+class Corrections {
 public:
-    /// `difference(x, y)`: of a pixel.
-    template <class Of>
-    Differences(const Film& film, const Likeness& alike, const Of& difference)
+    /// `nears`: pixels where something is near.
+    Corrections(const Film& film, const Likeness& alike, const AreaSums& nears, std::span<const Difference> differences)
         : film_(film),
           alike_(alike),
-          all_(differences(film, difference)),
-          noises_(film.width, film.height, [&](size_t pixel) { return double{all_[pixel].stderr_}; }),
-          lights_(film.width, film.height, [&](size_t pixel) { return double{std::abs(all_[pixel].light)}; }) {}
-
-    const Difference& operator[](size_t pixel) const { return all_[pixel]; }
-    /// The correction of a pixel.
-    Part at(int x, int y) const {
-        const size_t pixel = pixel_at(film_, x, y);
-        Around around;
-        for_each_around(film_, x, y, [&](size_t other, int i, int j) {
-            if (other != pixel && (!(all_[other].passes > 0) || !alike_(pixel, other))) return;
-            around.at[static_cast<size_t>(j - y + kReach) * Around::kSide + static_cast<size_t>(i - x + kReach)] = all_[other];
+          differences_(differences),
+          noises_(film.width, film.height, [&](size_t pixel) { return double{differences[pixel].stderr_}; }),
+          lights_(film.width, film.height, [&](size_t pixel) { return double{std::abs(differences[pixel].light)}; }),
+          agreed_(film.pixels()) {
+        tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
+            for (int x = 0; x < static_cast<int>(film.width); ++x)
+                if (nears.around(x, y, kReach) > 0) agreed_[pixel_at(film, x, y)] = around(x, y, usual(x, y)).square_of_mean();
         });
-        const double roots = noises_.around(x, y, kWide), light = lights_.around(x, y, kWide);
-        const float usual = light > 0 ? static_cast<float>(sqr(roots / light)) : 0;
-        around.limit(usual);
-        return part(around, usual, film_.passes);
+    }
+
+    /// The correction of a pixel near to which something is.
+    Part at(int x, int y) const {
+        const float noise_of_light = usual(x, y);
+        return part(around(x, y, noise_of_light), noise_of_light, film_.passes, agreed(x, y));
     }
 
 private:
-    template <class Of>
-    static std::vector<Difference> differences(const Film& film, const Of& difference) {
-        std::vector<Difference> all(film.pixels());
-        tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
-            for (int x = 0; x < static_cast<int>(film.width); ++x) all[pixel_at(film, x, y)] = difference(x, y);
+    /// Variance of differences over the square of the light, in a wide neighbourhood.
+    float usual(int x, int y) const {
+        const double roots = noises_.around(x, y, kWide), light = lights_.around(x, y, kWide);
+        return light > 0 ? static_cast<float>(sqr(roots / light)) : 0;
+    }
+    Around around(int x, int y, float usual) const {
+        const size_t pixel = pixel_at(film_, x, y);
+        Around around;
+        for_each_around(film_, x, y, kReach, [&](size_t other, int i, int j) {
+            if (other != pixel && (!(differences_[other].passes > 0) || !alike_(pixel, other))) return;
+            around.at[static_cast<size_t>(j - y + kReach) * Around::kSide + static_cast<size_t>(i - x + kReach)] = differences_[other];
+        });
+        around.limit(usual);
+        return around;
+    }
+    Agreed agreed(int x, int y) const {
+        const size_t pixel = pixel_at(film_, x, y);
+        Agreed all{.here = agreed_[pixel]};
+        for_each_around(film_, x, y, kReach, [&](size_t other, int, int) {
+            if (agreed_[other] && (other == pixel || alike_(pixel, other))) all.sum += *agreed_[other], ++all.count;
         });
         return all;
     }
 
     const Film& film_;
     const Likeness& alike_;
-    std::vector<Difference> all_;
+    std::span<const Difference> differences_;
     AreaSums noises_, lights_;  // roots of the variances of the differences, and the light
+    std::vector<std::optional<float>> agreed_;  // squares of the means around each pixel near to which something is
 };
-
-Differences diffuse_differences(const Film& film, const Likeness& alike) {
-    return {film, alike, [&](int x, int y) {
-                const size_t pixel = pixel_at(film, x, y);
-                return difference(film.diffuse[pixel], best_paired(film, alike, x, y),
-                                  lum(film.sum[pixel].indirect_diffuse) / film.samples(pixel));
-            }};
-}
-
-Differences specular_differences(const Film& film, const Likeness& alike) {
-    return {film, alike, [&](int x, int y) {
-                const size_t pixel = pixel_at(film, x, y);
-                return difference(film.specular[pixel], lum(film.sum[pixel].indirect_specular) / film.samples(pixel));
-            }};
-}
 
 /// Where gathering counts, its rays and eye samples should be in proportion to the square roots of variance over cost. `of_ray`: variance
 /// that one gathering ray leaves in the correction.
@@ -265,9 +257,10 @@ uint32_t best_stride(const Film& film, size_t pixel, float of_ray) {
 
 void correct(Film& film, bool gloss) {
     const Likeness alike(film);
-    const Differences diffuse = diffuse_differences(film, alike), specular = specular_differences(film, alike);
+    const std::vector<Difference> diffuse = diffuse_differences(film, alike), specular = specular_differences(film, alike);
     const AreaSums samples(film.width, film.height, [&](size_t pixel) { return double{diffuse[pixel].samples}; });
     const AreaSums nears(film.width, film.height, [&](size_t pixel) { return diffuse[pixel].near > 0 || specular[pixel].near > 0; });
+    const Corrections diffuse_corrections(film, alike, nears, diffuse), specular_corrections(film, alike, nears, specular);
     const std::vector<GlossChoice> choices = gloss ? choose_gloss(film) : std::vector<GlossChoice>{};
     tbb::parallel_for(0, static_cast<int>(film.height), [&](int y) {
         for (int x = 0; x < static_cast<int>(film.width); ++x) {
@@ -282,7 +275,8 @@ void correct(Film& film, bool gloss) {
             if (!near && !(choice.share > 0)) continue;
             // A share of all gloss is that of rays; where something is near, the rest is mended as diffuse light is.
             const Difference &own_d = diffuse[pixel], &own_s = specular[pixel];
-            const Part d = near ? diffuse.at(x, y) : Part{}, s = (near ? specular.at(x, y) : Part{}).beside(own_s, choice.share);
+            const Part d = near ? diffuse_corrections.at(x, y) : Part{},
+                       s = (near ? specular_corrections.at(x, y) : Part{}).beside(own_s, choice.share);
             correction.value = {d.value, s.value};
             correction.stderr_ = square_root(d.variance + s.variance);
             const float light_d = std::abs(own_d.light), light_s = std::abs(own_s.light);
