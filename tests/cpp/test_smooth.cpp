@@ -92,6 +92,24 @@ TEST(Smooth, believes_in_no_darkness_where_hardly_any_ray_came) {
     EXPECT_LT(std::sqrt(off), 0.5);  // 3 before
 }
 
+TEST(Smooth, tells_a_bright_side_from_rays_that_came_together) {
+    // One side has more light than all others: every replica says so, or one of them alone.
+    SceneBuilder b;
+    b.shape(b.material(matt(0.5f))).sphere({0, 0, 0}, 1, 4, true);
+    const Scene scene = b.build(1);
+    const Lattice lattice(scene);
+    constexpr uint32_t kOdd = 1234;
+    constexpr float kSigma = 0.1f, kMore = 0.8f;
+    const auto left_of = [&](float sigma_of_odd) {
+        SideField field{std::vector<Rgb>(scene.sides()), std::vector<Rgb>(scene.sides(), grey(sqr(kSigma)))};
+        for (uint32_t side = 0; side < scene.patches(); ++side) field.mean[side] = grey(1 + kSigma * normal(key(9, side)));
+        field.mean[kOdd] = grey(1 + kMore), field.variance[kOdd] = grey(sqr(sigma_of_odd));
+        return (smoothed(scene, lattice, field).mean[kOdd].y - 1) / kMore;
+    };
+    EXPECT_GT(left_of(kSigma), 0.5f);
+    EXPECT_LT(left_of(kMore / 2), 0.2f);
+}
+
 TEST(Smooth, leaves_sharp_light_as_it_is_known) {
     // A shadow edge and a small bright spot, known 50 times better than they are strong: nothing becomes worse than the noise was.
     const Errors edge = errors(0.02f, [](Vec3 n) { return n.x > 0.1f ? 1.0f : 0.0f; });

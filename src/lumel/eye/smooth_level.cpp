@@ -255,16 +255,18 @@ LinearLight SmoothLevel::smooth(uint32_t node, const Coarse& coarse) const {
     const Fitted fit = fitted(node, around, unit, 1 / std::sqrt(reach2));
     LinearLight said = fit.light;
     Misfit left, off;
+    // Replicas that differ by more than is usual tell of rays that came together.
+    const auto most_unit = [&](uint32_t other) { return std::max(unit(other), nodes_[other].variance * nodes_[other].area); };
     for (uint32_t other : around) {
-        left.add(nodes_[other], light_at(fit.light, nodes_[other], here), unit(other));
-        if (!coarse.at.empty()) off.add(nodes_[other], coarse.at[other].light, unit(other));
+        left.add(nodes_[other], light_at(fit.light, nodes_[other], here), most_unit(other));
+        if (!coarse.at.empty()) off.add(nodes_[other], coarse.at[other].light, most_unit(other));
     }
     if (!coarse.at.empty()) {
         const double bias2 = std::max(coarse.bias2[coarse.groups.of[node]], off.beyond_noise(0)),
                      variance = coarse.at[node].variance + bias2, share = variance / (variance + said.variance);
         said = mixed(said, share, coarse.at[node], share * said.variance);
     }
-    const double variance = unit(node) / here.area, unexplained = left.beyond_noise(fit.used),
+    const double variance = most_unit(node) / here.area, unexplained = left.beyond_noise(fit.used),
                  share = unexplained / (unexplained + variance);
     // The errors of both are not independent: add them as if they were one.
     return mixed(own, share, said, sqr((1 - share) * std::sqrt(said.variance) + share * std::sqrt(variance)));
