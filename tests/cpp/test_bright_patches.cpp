@@ -104,11 +104,13 @@ TEST(BrightPatches, are_found_along_lobes_as_by_lobes_alone) {
 }
 
 TEST(BrightPatches, are_found_over_gloss_as_by_lobes_alone) {
-    // A lamp that shines on the ceiling right over it, and a glossy plate on the floor that a gathering ray meets.
+    // A lamp that shines on the ceiling right over it, another one that shines down, and a glossy plate on the floor that a gathering ray
+    // meets.
     SceneBuilder b;
     b.shape(b.material(matt(0.5f))).box({0, 0, 0}, {1, 1, 1}, true);
     b.shape(b.material(glossy(grey(0.02f), grey(0.95f), 0.4f))).quad({0.2f, 0.2f, 0.02f}, {0.3f, 0, 0}, {0, 0.3f, 0});
     b.shape(b.material(matt(0)), grey(1000)).quad({0.8f, 0.5f, 0.97f}, {0.04f, 0, 0}, {0, 0.04f, 0});
+    b.shape(b.material(matt(0)), grey(2)).quad({0.4f, 0.5f, 0.9f}, {0, 0.2f, 0}, {0.2f, 0, 0});
     Session session(b.build(3000), {}, {.solver = {.seed = 5}});
     session.solver().begin_replica(200000);
     session.solver().step(200000);
@@ -137,8 +139,8 @@ TEST(BrightPatches, are_found_over_gloss_as_by_lobes_alone) {
             const LobeDraw lobe(x.shading, -ray.direction, x.material->alpha, stream.next());
             if (!(lobe.pdf_w > 0) || !(dot(x.normal, lobe.wi) > 0)) continue;
             const Hit y = session.accel().intersect({x.off(scene.epsilon()), lobe.wi});
-            const Rgb albedo = scene.material(y.triangle).diffuse,
-                      light = albedo * reconstruction.total_irradiance(reconstruction.stencil(y.point(), y.back)) * kInvPi;
+            const Rgb albedo = scene.material(y.triangle).diffuse, emitted = y.back ? Rgb{} : scene.emission(y.triangle),
+                      light = emitted + albedo * reconstruction.total_irradiance(reconstruction.stencil(y.point(), y.back)) * kInvPi;
             sum += double{lum(lobe.scatter(*x.material) * light)};
         }
         alone.push_back(double{lum(diffuse)} + sum / kRays);

@@ -145,7 +145,9 @@ void GatherRays::follow_lobe(const Waiting& waiting, const Surface& x, Vec3 wo, 
     const float survives = stream.next_one();
     Waiting next{waiting.task, waiting.step + 1};
     next.task.stream = key(waiting.task.stream, next.step);
-    next.task.target = shader_.reconstruction().bright_patches().draw(stream);
+    // Only once: the weights of rays that are not sent multiply along a chain of lobes.
+    const bool may_be_sent = waiting.step == 0;
+    next.task.target = may_be_sent ? shader_.reconstruction().bright_patches().draw(stream) : std::nullopt;
     const auto leads = [&] { return draw.pdf_w > 0 && dot(x.normal, draw.wi) > 0; };
     // The throughput of the lobe if it goes on along the draw.
     const auto onward = [&] {
@@ -164,7 +166,7 @@ void GatherRays::follow_lobe(const Waiting& waiting, const Surface& x, Vec3 wo, 
     }
     if (next.task.target) draw = LobeDraw::along(normalize(next.task.target->x - x.x), x.shading, wo, x.material->alpha);
     if (!leads()) return;
-    next.task.throughput = onward(), next.task.pdf_w = draw.pdf_w;
+    next.task.throughput = onward(), next.task.pdf_w = may_be_sent ? draw.pdf_w : 0;
     if (max_component(next.task.throughput) > 0) push({x.off(scene_.epsilon()), draw.wi}, next);
 }
 

@@ -15,7 +15,7 @@ constexpr int kShare = 4;           // pixels to each side that take what is bey
 
 /// What a pixel has less of after sharing.
 struct Given {
-    Rgb value;
+    Rgb value, variance;
     float kept = 1;  // of how it differs from those around
 };
 
@@ -40,7 +40,7 @@ public:
         const Rgb differs = own.mean - sum / count;
         if (!(own.stderr_ > usual) || own.is_sure(std::abs(lum(differs)), own.stderr_)) return {};
         const float kept = usual / own.stderr_;
-        return {differs * (1 - kept), kept};
+        return {differs * (1 - kept), own.variance * sqr(1 - kept), kept};
     }
     void give(int x, int y, const Given& given) {
         const size_t pixel = pixel_at(film_, x, y);
@@ -49,13 +49,18 @@ public:
         float count = 0;
         for_each_around(film_, x, y, kShare, [&](size_t other, int, int) { count += takes(pixel, other) ? 1.0f : 0.0f; });
         for_each_around(film_, x, y, kShare, [&](size_t other, int, int) {
-            if (takes(pixel, other)) differences_[other].mean += given.value / count;
+            if (!takes(pixel, other)) return;
+            Difference& d = differences_[other];
+            d.mean += given.value / count, d.set_variance(d.variance + given.variance / sqr(count));
         });
     }
 
 private:
     bool is_known(size_t pixel) const { return differences_[pixel].passes > 0; }
-    bool takes(size_t pixel, size_t other) const { return other == pixel || (is_known(other) && alike_(pixel, other)); }
+    /// Does the other pixel see the same gloss?
+    bool takes(size_t pixel, size_t other) const {
+        return other == pixel || (is_known(other) && film_.material[other] == film_.material[pixel] && alike_(pixel, other));
+    }
 
     const Film& film_;
     const Likeness& alike_;
