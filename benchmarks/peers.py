@@ -19,7 +19,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -123,19 +123,14 @@ def measure(name: str, peers: Sequence[tuple[str, str]], arguments: argparse.Nam
     )
 
 
-def run(command: list[str], task: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """What a peer prints, line by line. Raises SystemExit with its last words where it fails."""
+def run(command: list[str], task: dict[str, Any]) -> list[dict[str, Any]]:
+    """What a peer printed, line by line, once it has ended: to look at its pictures while it renders the next one would slow that down.
+    Raises SystemExit where it fails; its last words are on stderr."""
     environment = {**os.environ, **({"DRJIT_LIBLLVM_PATH": str(LLVM)} if LLVM.exists() and "DRJIT_LIBLLVM_PATH" not in os.environ else {})}
-    pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, env=environment, **pipes) as process:
-        assert process.stdin
-        assert process.stdout
-        process.stdin.write(json.dumps(task))
-        process.stdin.close()
-        for line in process.stdout:
-            yield json.loads(line)
-    if process.returncode:
+    peer = subprocess.run(command, input=json.dumps(task), env=environment, stdout=subprocess.PIPE, text=True, check=False)
+    if peer.returncode:
         raise SystemExit(f"{' '.join(command)} failed")
+    return [json.loads(line) for line in peer.stdout.splitlines()]
 
 
 def reference_of(name: str, scene: Path, arguments: argparse.Namespace) -> Mapping[str, FloatArray]:
