@@ -29,7 +29,7 @@ def to_core(scene: Scene, patches: int | None = None, more: int = MORE_PATCHES) 
         raise SceneError(problems)
     names = list(scene.materials)
     materials = [_material(material) for material in scene.materials.values()]
-    triangles = sum(len(mesh.triangles) for mesh in scene.meshes)
+    triangles = scene.triangle_count
     if too_bright := [p for m, core in zip(scene.materials.values(), materials, strict=True) if (p := _albedo_problem(scene, m, core))]:
         raise SceneError(too_bright)
     offsets = np.cumsum([0] + [len(mesh.vertices) for mesh in scene.meshes])
@@ -167,7 +167,7 @@ def _notes(core: _core.Scene) -> Iterator[str]:
 
 def _counts(scene: Scene) -> str:
     """How many triangles there are and how far they reach, to say why none can be used."""
-    count = f"{sum(len(mesh.triangles) for mesh in scene.meshes):,} triangles in {len(scene.meshes)} meshes were given"
+    count = f"{scene.triangle_count:,} triangles in {len(scene.meshes)} meshes were given"
     points = np.concatenate([np.asarray(mesh.vertices, np.float64)[np.unique(mesh.triangles)] for mesh in scene.meshes])
     points = points[np.isfinite(points).all(axis=1)]
     if not len(points):

@@ -21,8 +21,8 @@ BYTES_PER_PATCH_AND_BUNDLE, LEAST_BUNDLES, MOST_BUNDLES, BUNDLES = 28, 8, 64, 25
 
 def expected(scene: Scene, settings: Settings) -> int:
     """Bytes that a render of `scene` takes at most, within a quarter or so."""
-    triangles = sum(len(mesh.triangles) for mesh in scene.meshes)
-    patches = max(triangles, wanted_patches(triangles, settings.patches, settings.more_patches))
+    triangles = scene.triangle_count
+    patches = max(triangles, wanted_patches(triangles, settings.patches, settings.more_patches(triangles)))
     cameras = settings.cameras(scene)
     glossy = [mesh for mesh in scene.meshes if mesh.material in scene.materials and max(scene.materials[mesh.material].specular) > 0]
     glossy_patches = float(sum(len(mesh.triangles) for mesh in glossy))
@@ -32,7 +32,7 @@ def expected(scene: Scene, settings: Settings) -> int:
         glossy_patches += (patches - triangles) * (_area(glossy) / _area(scene.meshes) if by_area else 1.0)
     bundle = patches * BYTES_PER_PATCH_AND_BUNDLE
     # A trial of bundles casts few at once. Long renders may go on with them.
-    may_be_bundles = settings.first_transport == "bundles" or (settings.is_free and settings.more_patches > MORE_PATCHES)
+    may_be_bundles = settings.first_transport == "bundles" or (settings.is_free and settings.more_patches(triangles) > MORE_PATCHES)
     step = RAYS_PER_STEP if settings.rays is None else min(RAYS_PER_STEP, settings.rays // FEWEST_REPLICAS)
     return int(
         PROGRAM

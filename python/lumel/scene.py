@@ -133,3 +133,8 @@ class Scene:
     notes: tuple[str, ...] = ()
     source: str = ""
     lines: Mapping[str, int] = field(default_factory=dict)  # name of a mesh, material, light or camera -> line in `source`
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles of all meshes."""
+        return sum(len(mesh.triangles) for mesh in self.meshes)

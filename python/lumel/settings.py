@@ -22,7 +22,8 @@ MOST_MORE_PATCHES = 150_000  # than triangles, where no number is given and they
 SHORT_TIME = 2.0  # s of all threads below which fewer than MORE_PATCHES are better, in proportion to the time,
 LEAST_PATCHES = 0.2  # but not less than this share of them
 PATCHES_TIME = 16.0  # s of all threads from which on more than MORE_PATCHES pay, in proportion to the power 2/3 of the time
-ADAPTIVE_TIME, ADAPTIVE_RAYS = 2.5, 4_000_000  # s and rays from which on adaptive ones pay
+ADAPTIVE_TIME, ADAPTIVE_RAYS = 2.5, 4_000_000  # s and rays from which on adaptive ones pay,
+MANY_TRIANGLES = 25_000  # where the scene has more, later in proportion: to look at it takes longer, and patches are small anyway
 ITERATIONS = ("frozen", "plain")
 WINDOWS = (16, 4096)  # least and most pixels of an edge
 AREAS = ("patches", "pixels")
@@ -133,29 +134,28 @@ class Settings:
         """Is the budget a time, or that of a quality, whose clock counts work? Not where work or an error is given."""
         return not (self.rays or self.directions or self.error)
 
-    @property
-    def more_patches(self) -> int:
-        """How many more patches than triangles the budget pays for.
+    def more_patches(self, triangles: int) -> int:
+        """How many more patches than triangles, of which the scene has so many, the budget pays for.
 
         The error of patches falls as a power of their number, and the noise of the light on each grows with it, as does the time before the
         eye can look; see docs/results.md.
         """
         if self.time is not None:
             seconds = self.time * self.thread_count()
-            if not self.wants_adaptive:
+            if not self.wants_adaptive(triangles):
                 return int(MORE_PATCHES * min(1.0, max(LEAST_PATCHES, seconds / SHORT_TIME)))
             return int(min(MORE_PATCHES * max(1.0, seconds / PATCHES_TIME) ** (2 / 3), MOST_MORE_PATCHES))
-        if not self.wants_adaptive:
+        if not self.wants_adaptive(triangles):
             return MORE_PATCHES
         return MOST_MORE_PATCHES if self.quality == "high" and self.is_on_clock else MORE_PATCHES
 
-    @property
-    def wants_adaptive(self) -> bool:
+    def wants_adaptive(self, triangles: int) -> bool:
         """Shall patches be small where the light varies? The look at it costs time, so not in the shortest renders by default."""
         if self.first_transport == "bundles" or self.adaptive is not None:
             return bool(self.adaptive)
         if self.time is not None or self.rays is not None:
-            return (self.time or 0) >= ADAPTIVE_TIME or (self.rays or 0) >= ADAPTIVE_RAYS
+            least = ADAPTIVE_TIME * max(1.0, triangles / MANY_TRIANGLES)
+            return (self.time or 0) >= least or (self.rays or 0) >= ADAPTIVE_RAYS
         return self.error is not None or self.quality != "draft"
 
     def gather_rays(self) -> float:

@@ -53,8 +53,12 @@ def test_all_but_short_renders_look_at_the_light_by_default() -> None:
         ({"rays": 10_000_000}, True),
         ({"error": 0.01}, True),
     ):
-        assert Settings(**settings).wants_adaptive == expected
-    assert not Settings(quality="high", rays=1000).wants_adaptive
-    assert not Settings(time=30.0, transport="bundles").wants_adaptive
-    assert not Settings(time=30.0, adaptive=False).wants_adaptive
-    assert Settings(adaptive=True).wants_adaptive
+        assert Settings(**settings).wants_adaptive(1000) == expected
+    assert not Settings(quality="high", rays=1000).wants_adaptive(1000)
+    assert not Settings(time=30.0, transport="bundles").wants_adaptive(1000)
+    assert not Settings(time=30.0, adaptive=False).wants_adaptive(1000)
+    assert Settings(adaptive=True).wants_adaptive(1000)
+    # To look at many triangles takes longer.
+    assert Settings(time=5.0).wants_adaptive(50_000)
+    assert not Settings(time=5.0).wants_adaptive(51_000)
+    assert Settings(quality="medium").wants_adaptive(1_000_000)
