@@ -79,7 +79,8 @@ def render(
     in less than 2 s of all threads together, and up to 150,000 more where they are adaptive and the time is long or the quality high).
     adaptive: a short look at the light makes them small where it varies, above all in view; else, and with bundles, all are about as large
     (None: in all but short renders: a draft, less than 2.5 s for each 25,000 triangles, or less than 4 M rays). camera: a name, `all`, or
-    None for the first. size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have. window: pixels of an edge of
+    None for the first. size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have.
+    window: pixels of an edge of
     the square that bundles are rasterised into, 16 to 4096 (None: about 16 pixels a patch). iteration: bundles carry the
     light of a solved state (`frozen`), or what the bundle before brought (`plain`, as in the paper). isa: the instruction set
     that rays are traced with, `avx2` or `avx512` (None: the best that there is). explain: the result tells
