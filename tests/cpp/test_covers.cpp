@@ -189,6 +189,79 @@ TEST(Covers, what_no_walk_meets_is_not_covered) {
     }
 }
 
+/// Largest and least coordinate along an axis of the corners of a patch.
+std::pair<float, float> extent(const Scene& scene, uint32_t patch, float Vec3::* axis) {
+    float low = std::numeric_limits<float>::max(), high = -low;
+    for (const Square& corner : scene.tessellation().corners(patch)) {
+        const float at = scene.position({scene.triangle_of_patch(patch), corner.u, corner.v}).*axis;
+        low = std::min(low, at), high = std::max(high, at);
+    }
+    return {low, high};
+}
+
+TEST(Covers, are_found_wherever_a_body_or_the_outside_of_a_room_is) {
+    // A plane through blocks in the open, some of them side by side; or through the walls of a room, so that it lies in the dark outside.
+    const auto covers_of = [](bool in_room, const auto& use) {
+        SceneBuilder b;
+        b.shape(b.material(matt(kAlbedo))).quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0});
+        b.shape(b.material(matt(kAlbedo)));
+        if (in_room)
+            b.box({-1, -1, -1}, {1, 1, 1}, true);
+        else
+            for (const float x : {-1.5f, -0.9f, 0.5f, 1.2f}) b.box({x, -0.5f, -0.3f}, {x + 0.5f, 0.5f, 0.3f}, false);
+        b.shape(b.material(matt(0)), grey(10)).quad({-0.1f, -0.1f, 0.9f}, {0, 0.2f, 0}, {0.2f, 0, 0});
+        b.quad({-0.1f, -0.1f, -0.9f}, {0.2f, 0, 0}, {0, 0.2f, 0});
+        const Scene scene = b.build(4000);
+        const Accel accel(scene);
+        const std::vector<Cover> covers = find_covers(accel, survey(accel, 7));
+        ASSERT_EQ(covers.size(), scene.sides());
+        for (uint32_t patch = 0; patch < scene.patches(); ++patch)
+            if (scene.shape(scene.triangle_of_patch(patch)) == 0) use(scene, patch, covers[patch]);
+    };
+    uint32_t in = 0, out = 0, across = 0, found = 0;
+    covers_of(false, [&](const Scene& scene, uint32_t patch, const Cover& cover) {
+        const auto [x0, x1] = extent(scene, patch, &Vec3::x);
+        const auto [y0, y1] = extent(scene, patch, &Vec3::y);
+        bool is_in = false, is_out = true;
+        for (const float x : {-1.5f, -0.9f, 0.5f, 1.2f}) {
+            is_in |= x0 >= x && x1 <= x + 0.5f && y0 >= -0.5f && y1 <= 0.5f;
+            is_out &= x1 <= x || x0 >= x + 0.5f || y1 <= -0.5f || y0 >= 0.5f;
+        }
+        if (is_in) {
+            EXPECT_EQ(cover.open_share, 0);
+            ++in;
+        }
+        if (is_out) {
+            EXPECT_EQ(cover.open_share, 1);
+            ++out;
+        }
+        across += !is_in && !is_out;
+        found += !is_in && !is_out && cover.open_share < 1;
+    });
+    EXPECT_GT(in, 100u);
+    EXPECT_GT(out, 500u);
+    EXPECT_GT(across, 50u);
+    EXPECT_GT(found, 0.8 * across);
+    in = out = 0;
+    uint32_t dark = 0;
+    covers_of(true, [&](const Scene& scene, uint32_t patch, const Cover& cover) {
+        const auto [x0, x1] = extent(scene, patch, &Vec3::x);
+        const auto [y0, y1] = extent(scene, patch, &Vec3::y);
+        if (x0 >= -1 && x1 <= 1 && y0 >= -1 && y1 <= 1) {
+            EXPECT_EQ(cover.open_share, 1);
+            ++in;
+        }
+        // Rays tell where they meet the wall from behind, so not far from it.
+        if (x0 >= 1 && x1 <= 1.3f && y0 >= -1 && y1 <= 1) {
+            dark += cover.open_share < 0.6f;
+            ++out;
+        }
+    });
+    EXPECT_GT(in, 100u);
+    EXPECT_GT(out, 20u);
+    EXPECT_GE(dark + 4, out) << "but at the corners of the room";
+}
+
 TEST(Covers, nothing_is_covered_in_an_open_scene) {
     SceneBuilder b;
     b.shape(b.material(matt(kAlbedo))).quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0});

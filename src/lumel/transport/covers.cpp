@@ -3,15 +3,19 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <optional>
+
 #include "lumel/sampling/hash.h"
 #include "lumel/sampling/warp.h"
 #include "lumel/scene/surface.h"
+#include "lumel/transport/sealed_bodies.h"
 
 namespace lumel {
 
 namespace {
 
 constexpr uint32_t kFewPoints = 8, kManyPoints = Cover::kParts;  // of a side; many where some of the few are covered
+constexpr uint32_t kFewestPoints = 2;  // where a side is in no other closed body
 constexpr uint32_t kRays = 8;                         // of a point that is looked at closely
 constexpr float kLeastShare = 1.0f / 32;
 constexpr float kStep = 0.2f;     // between open points of one part, of the edge
@@ -123,8 +127,8 @@ private:
     uint32_t side_;
 };
 
-Cover cover(const Probes& probes, bool is_small) {
-    if (!probes.any(kFewPoints, 1)) return is_small || !probes.is_crossed() ? Cover{} : probes.look();
+Cover cover(const Probes& probes, uint32_t points, bool is_small) {
+    if (!probes.any(points, 1)) return is_small || !probes.is_crossed() ? Cover{} : probes.look();
     return probes.all(kFewPoints, kRays) ? Cover{0} : probes.look();
 }
 
@@ -134,16 +138,19 @@ std::vector<Cover> find_covers(const Accel& accel, const DefensiveStarts& starts
     const Scene& scene = accel.scene();
     if (starts.reached.empty()) return {};
     const std::vector<uint8_t> sealed = sealed_faces(scene, starts);
+    const std::optional<SealedBodies> bodies = sealed.empty() ? std::nullopt
+                                                              : std::optional<SealedBodies>(std::in_place, scene, starts.closed, sealed);
     const double small = kSmall * scene.total_area() / scene.patches();
     std::vector<Cover> covers(scene.sides());
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, scene.sides(), 256), [&](const auto& range) {
         const FlushDenormals flush;
         for (uint32_t side = range.begin(); side < range.end(); ++side) {
-            if (!sealed.empty() && sealed[size_t{scene.triangle_of_side(side)} * 2 + scene.is_back(side)])
+            const uint32_t patch = scene.patch_of_side(side);
+            if (bodies && sealed[size_t{scene.triangle_of_side(side)} * 2 + scene.is_back(side)])
                 covers[side] = {0};
             else if (scene.scatters(side))
-                covers[side] = cover(Probes(accel, sealed, side), scene.tessellation().share(scene.patch_of_side(side)) == 1 &&
-                                                                      double{scene.patch_area(scene.patch_of_side(side))} < small);
+                covers[side] = cover(Probes(accel, sealed, side), bodies && bodies->may_cover(patch) ? kFewPoints : kFewestPoints,
+                                     scene.tessellation().share(patch) == 1 && double{scene.patch_area(patch)} < small);
         }
     });
     const bool is_open = std::all_of(covers.begin(), covers.end(), [](const Cover& c) { return c.open_share == 1 && !c.divides; });
