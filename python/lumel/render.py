@@ -79,15 +79,13 @@ def render(
     in less than 2 s of all threads together, and up to 150,000 more where they are adaptive and the time is long or the quality high).
     adaptive: a short look at the light makes them small where it varies, above all in view; else, and with bundles, all are about as large
     (None: in all but short renders: a draft, less than 2.5 s for each 25,000 triangles, or less than 4 M rays). camera: a name, `all`, or
-    None for the first. size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have.
-    window: pixels of an edge of
-    the square that bundles are rasterised into, 16 to 4096 (None: about 16 pixels a patch). iteration: bundles carry the
-    light of a solved state (`frozen`), or what the bundle before brought (`plain`, as in the paper). isa: the instruction set
-    that rays are traced with, `avx2` or `avx512` (None: the best that there is). explain: the result tells
-    where the light went and what was made of it. progress is called now and then; draft is given a first result after a second or
-    so, then better ones, each after twice the time; interrupted is asked between steps, and True
-    ends the work early with a valid result. started: time.monotonic() of when the files were read. Equal seed and rays,
-    directions or quality give equal bytes for any number of threads, and with an isa on any machine that has it.
+    None for the first. size: (width, height) in pixels. threads: 0 for all. layers: names that the result must have. window: pixels of an
+    edge of the square that bundles are rasterised into, 16 to 4096 (None: about 16 pixels a patch). iteration: bundles carry the light of a
+    solved state (`frozen`), or what the bundle before brought (`plain`, as in the paper). isa: the instruction set that rays are traced
+    with, `avx2` or `avx512` (None: the best that there is). explain: the result tells where the light went and what was made of it.
+    progress is called now and then; draft is given a first result after a second or so, then better ones, each after twice the time;
+    interrupted is asked between steps, and True ends the work early with a valid result. started: time.monotonic() of when the files were
+    read. Equal seed and rays, directions or quality give equal bytes for any number of threads, and with an isa on any machine that has it.
 
     Raises SettingsError or SceneError with all that is wrong.
     """
