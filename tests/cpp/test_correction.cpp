@@ -45,6 +45,21 @@ double left_error(const Film& film, const std::function<float(uint32_t)>& bias, 
     return sum / (kSize * (last - first));
 }
 
+/// What gathering makes of a solution of four replicas, of so many rays each, or what is seen without.
+Film picture(Scene scene, const Camera& camera, uint64_t rays, bool gather) {
+    Session session(std::move(scene), {camera}, {.solver = {.seed = 5}});
+    for (int replica = 0; replica < 4; ++replica) {
+        session.solver().begin_replica(100000);
+        session.solver().step(rays);
+        session.solver().end_replica();
+    }
+    session.reconstruct();
+    Film film(camera.width, camera.height);
+    for (uint64_t pass = 0; pass < 8; ++pass)
+        eye_pass(session.accel(), camera, 0, session.reconstruction(), nullptr, {32, true, gather, gather, pass}, nullptr, film);
+    return film;
+}
+
 }  // namespace
 
 TEST(Correction, mends_what_is_off_and_adds_little_noise_elsewhere) {
@@ -96,20 +111,8 @@ TEST(Correction, brings_coarse_patches_to_what_fine_ones_show_in_a_gap) {
                         .tan_y = 0.5f,
                         .width = 32,
                         .height = 32};
-    const auto picture = [&](uint64_t patches, uint64_t rays, bool gather) {
-        Session session(room(patches), {camera}, {.solver = {.seed = 5}});
-        for (int replica = 0; replica < 4; ++replica) {
-            session.solver().begin_replica(100000);
-            session.solver().step(rays);
-            session.solver().end_replica();
-        }
-        session.reconstruct();
-        Film film(camera.width, camera.height);
-        for (uint64_t pass = 0; pass < 8; ++pass)
-            eye_pass(session.accel(), camera, 0, session.reconstruction(), nullptr, {32, true, gather, gather, pass}, nullptr, film);
-        return film;
-    };
-    const Film truth = picture(12000, 2000000, true), plain = picture(1000, 200000, false), corrected = picture(1000, 200000, true);
+    const Film truth = picture(room(12000), camera, 2000000, true), plain = picture(room(1000), camera, 200000, false),
+               corrected = picture(room(1000), camera, 200000, true);
     double off = 0, left = 0, mean_off = 0, mean_left = 0;
     for (size_t pixel = 0; pixel < truth.sum.size(); ++pixel) {
         const float r = truth.mean(pixel).indirect_diffuse.y;
@@ -119,6 +122,34 @@ TEST(Correction, brings_coarse_patches_to_what_fine_ones_show_in_a_gap) {
     // The block hovers a little above the floor: nothing is covered, and patches cannot follow the light below.
     EXPECT_LT(left, 0.6 * off);
     EXPECT_LT(std::abs(mean_left), std::abs(mean_off));
+}
+
+TEST(Correction, knows_that_under_a_fine_ball_a_coarse_floor_is_dark) {
+    // Of a patch of the floor as large as the ball, all would send what its lit part reflects, also to the ball right above its shadow.
+    const auto plain = [](uint64_t patches) {
+        SceneBuilder b;
+        const uint32_t white = b.material(matt(0.7f));
+        b.shape(white).quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+        b.shape(white).sphere({0, 0, 0.101f}, 0.1f, 3, false, true);
+        b.shape(b.material(matt(0)), grey(10)).quad({-0.1f, -0.1f, 2}, {0, 0.2f, 0}, {0.2f, 0, 0});
+        return b.build(patches);
+    };
+    const Camera camera{.origin = {0.35f, 0, 0.06f},
+                        .right = {0, 1, 0},
+                        .up = normalize({-0.06f, 0, 0.3f}),
+                        .forward = normalize({-0.3f, 0, -0.06f}),
+                        .tan_x = 0.1f,
+                        .tan_y = 0.05f,
+                        .width = 32,
+                        .height = 16};
+    const Film truth = picture(plain(60000), camera, 4000000, true), coarse = picture(plain(2200), camera, 400000, true);
+    double found = 0, expected = 0;
+    for (size_t pixel = 0; pixel < truth.sum.size(); ++pixel) {
+        const EyeSample there = truth.mean(pixel);
+        if (!(there.normal.z > 0.99f) || there.direct.y > 0) continue;  // the floor in shadow
+        found += coarse.mean(pixel).indirect_diffuse.y, expected += there.indirect_diffuse.y;
+    }
+    EXPECT_NEAR(found / expected, 1, 0.2);  // 1.7 if all of what the floor's patches send came from close by as well
 }
 
 TEST(Correction, gathers_the_light_of_what_no_ray_has_met) {

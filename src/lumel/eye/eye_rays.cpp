@@ -115,16 +115,12 @@ void EyeRays::see_gloss(const View& view, EyeStream& stream) {
     }
     if (is_measured && pixel.material == PixelPass::kNoMaterial) pixel.material = scene_.material_index(view.met.hit.triangle);
 
-    const float size = view.size * std::max(1.0f, kRoundLobe / view.x.material->alpha);
     const bool direct = shader_.direct_light() && !scene_.area_lamps().empty(),
                gathers = !is_measured || (gather.specular && gather.every_lobe);
-    GatherTask task{view.sample.pixel,
-                    is_measured ? Layer::kExcessSpecular : Layer::kIndirectSpecular,
-                    throughput,
-                    false,
-                    size,
-                    key(view.sample.stream, kUnknownSpecular),
-                    view.sample.index};
+    GatherTask task{view.sample.pixel, is_measured ? Layer::kExcessSpecular : Layer::kIndirectSpecular,
+                    throughput,        false,
+                    view.size,         key(view.sample.stream, kUnknownSpecular),
+                    view.sample.index, std::max(1.0f, kRoundLobe / view.x.material->alpha)};
     const BrightPatches& bright = shader_.reconstruction().bright_patches();
     if (gathers) task.target = bright.draw(stream);
     if (direct || gathers) push_lobe(view, stream.next(), {view.x, task, direct ? Layer::kDirect : task.layer, true, gathers});

@@ -107,14 +107,21 @@ bool GatherRays::use(const Waiting& waiting, Ray ray, const Hit& first) {
     const Rgb throughput = task.throughput * weight * m.throughput;
     const Vec3 way = x.x - ray.origin, wo = -ray.direction;
     const Lattice::Stencil at = reconstruction.stencil(m.hit.point(), m.hit.back);
-    const bool near = dot(way, way) < sqr(kNear) * std::max(scene_.patch_area(at.patch), sqr(task.size));
+    const bool near = dot(way, way) < sqr(kNear) * std::max(scene_.patch_area(at.patch), sqr(task.size * task.stretch));
     if (task.coarse && !near && !x.material->is_glossy()) {
         sum += throughput * x.material->diffuse * reconstruction.total_irradiance(at) * kInvPi;
         return false;
     }
-    if (shader_.direct_light()) shadows_.add(task.pixel, task.layer, shader_.lamps(x, wo, stream), throughput);
     const bool follows = waiting.step + 1 < kLobes,
-               is_close = follows && shader_.direct_light() && dot(way, way) < sqr(kClose) * scene_.patch_area(at.patch);
+               is_close = follows && shader_.direct_light() &&
+                          dot(way, way) < sqr(kClose) * std::max(scene_.patch_area(at.patch), sqr(task.size)),
+               is_source = task.layer == Layer::kThere && waiting.step == 0;
+    // The light that is known was sent from all of a patch alike, however close: to go on here would take away less than was added there.
+    if (is_close && is_source && !x.material->is_glossy()) {
+        sum += throughput * x.material->diffuse * reconstruction.total_irradiance(at) * kInvPi;
+        return near;
+    }
+    if (shader_.direct_light()) shadows_.add(task.pixel, task.layer, shader_.lamps(x, wo, stream), throughput);
     if (!is_close) sum += throughput * x.material->diffuse * reconstruction.irradiance(at).value * kInvPi;
     // One ray leads to one more at the most, where both could follow to either.
     const bool is_glossy = x.material->is_glossy(), either = is_close && is_glossy;
@@ -135,7 +142,7 @@ void GatherRays::follow_diffuse(const Waiting& waiting, const Surface& x, Rgb th
     if (!(next.task.pdf_w > 0) || !(dot(x.normal, wi) > 0)) return;
     next.task.throughput = throughput * x.material->diffuse * (1 / survive);
     next.task.stream = key(waiting.task.stream, next.step);
-    next.task.coarse = true, next.task.size = size;
+    next.task.coarse = true, next.task.size = size, next.task.stretch = 1;
     push({x.off(scene_.epsilon()), wi}, next);
 }
 

@@ -15,9 +15,10 @@ struct GatherTask {
     Layer layer = Layer::kIndirectDiffuse;
     Rgb throughput;      ///< of what the ray brings
     bool coarse = false; ///< light of lamps on what is not near and diffuse comes from the patches, too
-    float size = 0;      ///< of the patch that the ray left, m, longer for narrow lobes
+    float size = 0;      ///< of the patch that the ray left, m
     uint64_t stream = 0; ///< key of its random numbers, of which it takes those of `number`
     uint32_t number = 0;
+    float stretch = 1;   ///< how much farther than from a round lobe what it meets is near
     float pdf_w =
         0;  ///< 1/sr: density of the ray in its lobe, which the throughput is divided by; 0: none of its kind is sent to bright patches
     std::optional<BrightPatches::Target> target{};  ///< if the ray is sent to a bright patch instead

@@ -15,7 +15,6 @@ namespace lumel {
 namespace {
 
 constexpr uint32_t kFewPoints = 8, kManyPoints = Cover::kParts;  // of a side; many where some of the few are covered
-constexpr uint32_t kFewestPoints = 2;  // where a side is in no other closed body
 constexpr uint32_t kRays = 8;                         // of a point that is looked at closely
 constexpr float kLeastShare = 1.0f / 32;
 constexpr float kStep = 0.2f;     // between open points of one part, of the edge
@@ -149,7 +148,7 @@ std::vector<Cover> find_covers(const Accel& accel, const DefensiveStarts& starts
             if (bodies && sealed[size_t{scene.triangle_of_side(side)} * 2 + scene.is_back(side)])
                 covers[side] = {0};
             else if (scene.scatters(side))
-                covers[side] = cover(Probes(accel, sealed, side), bodies && bodies->may_cover(patch) ? kFewPoints : kFewestPoints,
+                covers[side] = cover(Probes(accel, sealed, side), bodies && bodies->may_cover(patch) ? kFewPoints : 0,
                                      scene.tessellation().share(patch) == 1 && double{scene.patch_area(patch)} < small);
         }
     });
