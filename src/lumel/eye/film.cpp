@@ -54,7 +54,7 @@ Rgb Film::standard_error(size_t pixel) const {
         }
     const Rgb own = uncorrected[pixel].variance(),
               least = around * (sqr(lum(uncorrected[pixel].mean())) / (count * std::max(1.0f, samples(pixel))));
-    const Rgb spread{std::max(own.x, least.x), std::max(own.y, least.y), std::max(own.z, least.z)};
+    const Rgb spread = max(own, least);
     const Rgb solution = mean(pixel).solution_stderr, mended = correction[pixel].stderr_;
     return square_root(spread + solution * solution + mended * mended);
 }

@@ -34,6 +34,9 @@ inline Vec3 normalize(Vec3 a) { return a * (1.0f / length(a)); }
 constexpr float max_component(Vec3 a) { return std::max(a.x, std::max(a.y, a.z)); }
 constexpr float sqr(float x) { return x * x; }
 constexpr double sqr(double x) { return x * x; }
+/// Of each component the smaller one, or the larger one.
+constexpr Vec3 min(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
+constexpr Vec3 max(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
 inline Vec3 square_root(Vec3 a) { return {std::sqrt(a.x), std::sqrt(a.y), std::sqrt(a.z)}; }
 
 /// Linear Rec.709 colour; radiance in W/(m2 sr), flux in W, albedo in 0..1.

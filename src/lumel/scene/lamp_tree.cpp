@@ -21,11 +21,7 @@ uint32_t LampTree::build(std::span<const LampBall> lamps, std::span<uint32_t> of
 
     // Split at the median along the longest side of the box around the centres.
     Vec3 lower = lamps[of[0]].centre, upper = lower;
-    for (uint32_t lamp : of) {
-        const Vec3 c = lamps[lamp].centre;
-        lower = {std::min(lower.x, c.x), std::min(lower.y, c.y), std::min(lower.z, c.z)};
-        upper = {std::max(upper.x, c.x), std::max(upper.y, c.y), std::max(upper.z, c.z)};
-    }
+    for (uint32_t lamp : of) lower = min(lower, lamps[lamp].centre), upper = max(upper, lamps[lamp].centre);
     const Vec3 size = upper - lower;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const size_t half = of.size() / 2;

@@ -111,13 +111,10 @@ void Scene::take_triangles(const MeshInput& input) {
         area_.push_back(0.5f * twice_area);
         smooth_.push_back(smooth);
         total_area_ += area_.back();
-        for (Vec3 p : {a, b, c}) {
-            lower_ = {std::min(lower_.x, p.x), std::min(lower_.y, p.y), std::min(lower_.z, p.z)};
-            upper_ = {std::max(upper_.x, p.x), std::max(upper_.y, p.y), std::max(upper_.z, p.z)};
-        }
+        for (Vec3 p : {a, b, c}) lower_ = min(lower_, p), upper_ = max(upper_, p);
     }
     if (indices_.empty()) throw std::invalid_argument("the scene has no usable triangle");
-    const Vec3 reach{std::max(-lower_.x, upper_.x), std::max(-lower_.y, upper_.y), std::max(-lower_.z, upper_.z)};
+    const Vec3 reach = max(-lower_, upper_);
     epsilon_ = 4e-6f * std::max({std::abs(reach.x), std::abs(reach.y), std::abs(reach.z), radius()});
 }
 

@@ -29,9 +29,7 @@ class DirectSamples {
 public:
     /// `use` is called with every sample that is lit, in the order in which they are drawn.
     DirectSamples(const Accel& accel, uint64_t stream, Use use) : accel_(accel), scene_(accel.scene()), stream_(stream), use_(use) {
-        for (const AreaLamp& lamp : scene_.area_lamps())
-            brightest_ = {std::max(brightest_.x, lamp.radiance.x), std::max(brightest_.y, lamp.radiance.y),
-                          std::max(brightest_.z, lamp.radiance.z)};
+        for (const AreaLamp& lamp : scene_.area_lamps()) brightest_ = max(brightest_, lamp.radiance);
     }
 
     /// Draw samples 0 to `count` of a side.
@@ -47,7 +45,9 @@ public:
             const float cos = dot(x.shading, lamp.wi);
             if (!(lamp.pdf_w > 0) || !(cos > 0) || !(dot(x.normal, lamp.wi) > 0)) continue;
             Rgb irradiance = lamp.radiance * (cos / lamp.pdf_w);
-            if (!lamp.is_point) irradiance = at_most(irradiance, brightest_ * (kPi * static_cast<float>(count)));
+            // No surface has more than pi times the radiance of the brightest lamp. Where a lamp touches it, one of a few samples may say
+            // so.
+            if (!lamp.is_point) irradiance = min(irradiance, brightest_ * (kPi * static_cast<float>(count)));
             add({side, i, at, lamp.wi, irradiance, cos}, x.off(scene_.epsilon()), lamp.target);
         }
     }
@@ -65,11 +65,6 @@ private:
         samples_[shadows_.size] = sample;
         shadows_.push(from, to - from);
         if (shadows_.is_full()) cast();
-    }
-
-    /// No surface has more than pi times the radiance of the brightest lamp. Where a lamp touches it, one of a few samples may say so.
-    static Rgb at_most(Rgb irradiance, Rgb most) {
-        return {std::min(irradiance.x, most.x), std::min(irradiance.y, most.y), std::min(irradiance.z, most.z)};
     }
 
     const Accel& accel_;

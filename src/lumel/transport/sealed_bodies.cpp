@@ -4,13 +4,6 @@
 
 namespace lumel {
 
-namespace {
-
-Vec3 least(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
-Vec3 most(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
-
-}  // namespace
-
 SealedBodies::SealedBodies(const Scene& scene, const std::vector<uint32_t>& closed, const std::vector<uint8_t>& sealed)
     : scene_(scene), closed_(closed) {
     struct Body {
@@ -25,7 +18,7 @@ SealedBodies::SealedBodies(const Scene& scene, const std::vector<uint32_t>& clos
         for (size_t k = 0; k < 3; ++k) corners[k] = scene.vertices()[scene.indices()[t][k]];
         const Box box = around(t, corners);
         Body& body = bodies.try_emplace(closed[t], Body{.box = box}).first->second;
-        body.box.lower = least(body.box.lower, box.lower), body.box.upper = most(body.box.upper, box.upper);
+        body.box.lower = min(body.box.lower, box.lower), body.box.upper = max(body.box.upper, box.upper);
         const Vec3 centre = scene.centre();
         body.volume += double{dot(corners[0] - centre, cross(corners[1] - centre, corners[2] - centre))};
         for (size_t back = 0; back < 2; ++back) body.is_sealed[back] |= sealed[size_t{t} * 2 + back] != 0;
@@ -42,7 +35,7 @@ SealedBodies::SealedBodies(const Scene& scene, const std::vector<uint32_t>& clos
 
 SealedBodies::Box SealedBodies::around(uint32_t triangle, const std::array<Vec3, 3>& corners) const {
     const float margin = 2 * scene_.epsilon();
-    const Vec3 a = least(corners[0], least(corners[1], corners[2])), b = most(corners[0], most(corners[1], corners[2]));
+    const Vec3 a = min(corners[0], min(corners[1], corners[2])), b = max(corners[0], max(corners[1], corners[2]));
     return {a - Vec3{margin, margin, margin}, b + Vec3{margin, margin, margin}, closed_[triangle]};
 }
 
