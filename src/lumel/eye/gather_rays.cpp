@@ -108,23 +108,19 @@ bool GatherRays::use(const Waiting& waiting, Ray ray, const Hit& first) {
     const Vec3 way = x.x - ray.origin, wo = -ray.direction;
     const Lattice::Stencil at = reconstruction.stencil(m.hit.point(), m.hit.back);
     const bool near = dot(way, way) < sqr(kNear) * std::max(scene_.patch_area(at.patch), sqr(task.size * task.stretch));
-    if (task.coarse && !near && !x.material->is_glossy()) {
-        sum += throughput * x.material->diffuse * reconstruction.total_irradiance(at) * kInvPi;
-        return false;
-    }
-    const bool follows = waiting.step + 1 < kLobes,
+    const bool is_glossy = x.material->is_glossy(), follows = waiting.step + 1 < kLobes,
                is_close = follows && shader_.direct_light() &&
                           dot(way, way) < sqr(kClose) * std::max(scene_.patch_area(at.patch), sqr(task.size)),
                is_source = task.layer == Layer::kThere && waiting.step == 0;
     // The light that is known was sent from all of a patch alike, however close: to go on here would take away less than was added there.
-    if (is_close && is_source && !x.material->is_glossy()) {
+    if (!is_glossy && ((task.coarse && !near) || (is_source && is_close))) {
         sum += throughput * x.material->diffuse * reconstruction.total_irradiance(at) * kInvPi;
         return near;
     }
     if (shader_.direct_light()) shadows_.add(task.pixel, task.layer, shader_.lamps(x, wo, stream), throughput);
     if (!is_close) sum += throughput * x.material->diffuse * reconstruction.irradiance(at).value * kInvPi;
     // One ray leads to one more at the most, where both could follow to either.
-    const bool is_glossy = x.material->is_glossy(), either = is_close && is_glossy;
+    const bool either = is_close && is_glossy;
     const Rgb onward = either ? throughput * 2 : throughput;
     if (is_close && !(either && stream.next_one() < 0.5f))
         follow_diffuse(waiting, x, onward, std::sqrt(scene_.patch_area(at.patch)), stream);

@@ -45,8 +45,7 @@ public:
             const float cos = dot(x.shading, lamp.wi);
             if (!(lamp.pdf_w > 0) || !(cos > 0) || !(dot(x.normal, lamp.wi) > 0)) continue;
             Rgb irradiance = lamp.radiance * (cos / lamp.pdf_w);
-            // No surface has more than pi times the radiance of the brightest lamp. Where a lamp touches it, one of a few samples may say
-            // so.
+            // No surface has more than pi times the radiance of the brightest lamp. Where a lamp touches it, one of a few samples may.
             if (!lamp.is_point) irradiance = min(irradiance, brightest_ * (kPi * static_cast<float>(count)));
             add({side, i, at, lamp.wi, irradiance, cos}, x.off(scene_.epsilon()), lamp.target);
         }
